@@ -201,7 +201,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   if (metrics_) metrics_->addPair(result, message);
   if (page_) page_->addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();
-  validity_.log(message);
+  validity_.log(message, result.exceedsAlertLimit() ? result.worst->text() : "");
   tick();
 }
 
@@ -211,7 +211,7 @@ void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   health_.addMissedPair();
   if (metrics_) metrics_->addMissedPair(message);
   if (page_) page_->addMissedPair(message);
-  validity_.log(message);
+  validity_.log(message, "");
   tick();
 }
 
@@ -295,6 +295,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
 std::string Daemon::Implementation::statusLine(const health_t& health) {
   if (!health.problem.empty()) return health.problem;
   if (std::string fault = health_.selfCheck().message(); !fault.empty()) return fault;
+  if (!validity_.isValid() && !health.bound_exceeded.empty())
+    return "no valid odometry: " + health.bound_exceeded;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
                      validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);

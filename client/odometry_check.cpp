@@ -9,6 +9,8 @@
 namespace cartvo::client {
 namespace {
 
+constexpr double kLargest = 1e12;  // of what has no limit of its own
+
 /// Whether all values are finite and at most `limit` in magnitude. NaN fails the comparison.
 template <typename Values>
 bool allWithin(const Values& values, double limit) {
@@ -16,9 +18,14 @@ bool allWithin(const Values& values, double limit) {
                      [limit](double value) { return std::abs(value) <= limit; });
 }
 
+/// Whether bounds are finite and not negative.
+bool areBounds(const double (&bounds)[3]) {
+  return allWithin(bounds, kLargest) &&
+         std::all_of(std::begin(bounds), std::end(bounds), [](double bound) { return bound >= 0.0; });
+}
+
 /// Whether a 6x6 covariance is finite and has no negative variance.
 bool isCovariance(const double (&covariance)[36]) {
-  constexpr double kLargest = 1e12;
   constexpr int kSide = 6;
   bool has_variances = allWithin(covariance, kLargest);
   for (int i = 0; i < kSide; ++i)
@@ -43,6 +50,8 @@ const char* verdictText(OdometryVerdict verdict) {
       return "valid, but with a reason against it";
     case OdometryVerdict::senseless:
       return "valid, but with senseless numbers";
+    case OdometryVerdict::uncertain:
+      return "valid, but a bound exceeds the controller's limit";
     case OdometryVerdict::late:
       return "late";
     case OdometryVerdict::future:
@@ -58,11 +67,21 @@ bool hasPossibleMotion(const odometry_t& message, const OdometryLimits& limits) 
   return allWithin(message.velocity_body, limits.speed) &&
          allWithin(message.angular_velocity_body, limits.turn_rate) &&
          allWithin(message.position_world_body, limits.distance) && std::abs(norm - 1.0) <= kTolerance &&
-         isCovariance(message.twist_covariance_body) && isCovariance(message.pose_covariance_body);
+         isCovariance(message.twist_covariance_body) && isCovariance(message.pose_covariance_body) &&
+         areBounds(message.velocity_bound) && areBounds(message.angular_rate_bound) &&
+         areBounds(message.motion_bound) && areBounds(message.rotation_bound);
+}
+
+bool isCertainEnough(const odometry_t& message, const OdometryLimits& limits) {
+  return allWithin(message.velocity_bound, limits.velocity_bound) &&
+         allWithin(message.angular_rate_bound, limits.angular_rate_bound) &&
+         allWithin(message.motion_bound, limits.motion_bound) &&
+         allWithin(message.rotation_bound, limits.rotation_bound);
 }
 
 bool isConsistent(const odometry_t& message) {
-  return message.status == odometry_t::VALID && (message.reasons & ~odometry_t::REASON_ZERO_VELOCITY) == 0;
+  return message.status == odometry_t::VALID && (message.reasons & ~odometry_t::REASON_ZERO_VELOCITY) == 0 &&
+         message.quality > 0;
 }
 
 std::int64_t ageUs(const odometry_t& message, std::int64_t now_utime) {
@@ -76,6 +95,7 @@ OdometryVerdict judge(const odometry_t& message, std::int64_t now_utime, const O
   const bool has_time_to_live =
       message.time_to_live_us > 0 && message.time_to_live_us <= limits.max_time_to_live_us;
   if (!has_time_to_live || !hasPossibleMotion(message, limits)) return OdometryVerdict::senseless;
+  if (!isCertainEnough(message, limits)) return OdometryVerdict::uncertain;
   const std::int64_t age = ageUs(message, now_utime);
   if (age < -limits.max_future_us) return OdometryVerdict::future;
   return age <= std::min(message.time_to_live_us, limits.max_age_us) ? OdometryVerdict::usable

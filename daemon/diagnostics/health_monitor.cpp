@@ -185,6 +185,8 @@ void HealthMonitor::addPair(const PairResult& result, const odometry_t& message)
   self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);
   window_.state = result.estimate.state;
+  if (result.exceedsAlertLimit() && (!window_.worst || window_.worst->share() < result.worst->share()))
+    window_.worst = result.worst;
   if (window_.latency.size() >= kMaxWindowPairs) return;
   window_.latency.push_back(static_cast<double>(message.publication_utime - message.arrival_utime) * 1e-3);
   window_.process.push_back(result.times.total * 1e3);
@@ -216,6 +218,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.estimates_valid = valid_;
   message.estimates_invalid = invalid_;
   message.odometry_state = stateCode(window_.state);
+  if (window_.worst) message.bound_exceeded = shortened(window_.worst->text());
   message.pair_rate = static_cast<float>(rate(snapshot.counts.pairs, last_pairs_));
   message.offset_ms = static_cast<float>(percentile(window_.offset, 0.5));
   message.latency_p50_ms = static_cast<float>(percentile(window_.latency, 0.5));

@@ -53,8 +53,9 @@ class HealthMonitor {
  private:
   /// Statistics of the pairs since the last message.
   struct Window {
-    int features = std::numeric_limits<int>::max();                           // smallest target number
-    vo::IntegrityState state = vo::IntegrityState::lost;                      // after the last pair
+    int features = std::numeric_limits<int>::max();       // smallest target number
+    vo::IntegrityState state = vo::IntegrityState::lost;  // after the last pair
+    std::optional<LimitedBound> worst;                    // of the pairs above an alert limit
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
 

@@ -110,6 +110,21 @@ void writeRotations(Writer& writer, const char* name, const float (&values)[3]) 
   writer.add(values[2], "{axis=\"roll\"}");
 }
 
+void writeBounds(Writer& writer, const PairTotals& totals) {
+  const auto write = [&writer](const char* name, const Eigen::Vector3d& bounds) {
+    writer.begin(name, "gauge");
+    writer.add(bounds.x(), "{axis=\"x\"}");
+    writer.add(bounds.y(), "{axis=\"y\"}");
+    writer.add(bounds.z(), "{axis=\"z\"}");
+  };
+  write("velocity_bound", totals.level.velocity);
+  write("angular_rate_bound", totals.level.angular_rate);
+  write("motion_bound", totals.level.motion);
+  write("rotation_bound", totals.level.rotation);
+  writer.addOne("quality", "gauge", totals.quality);
+  writer.addOne("pairs_above_alert_limit", "counter", static_cast<double>(totals.above_alert_limit));
+}
+
 void writeTotals(Writer& writer, const PairTotals& totals) {
   writer.addOne("processed_pairs", "counter", static_cast<double>(totals.pairs));
   writer.addOne("process_seconds", "counter", totals.process);
@@ -148,6 +163,9 @@ void PairTotals::add(const PairResult& result, const odometry_t& message) {
   const double both_decoded =
       seconds(std::max(result.left.decoded_ns, result.right.decoded_ns) - result.arrival_ns());
   ++pairs;
+  level = result.level;
+  quality = message.quality;
+  if (result.exceedsAlertLimit()) ++above_alert_limit;
   for (std::size_t i = 0; i < stages.size(); ++i)
     stages[i] += result.times.stages[i];
   process += result.times.total;
@@ -178,6 +196,7 @@ std::string metricsText(const health_t& health, const PairTotals& totals) {
   writer.addOne("has_problem", "gauge", health.problem.empty() ? 0 : 1);
   writer.addOne("has_self_check_fault", "gauge", health.self_check.empty() ? 0 : 1);
   writeTotals(writer, totals);
+  writeBounds(writer, totals);
   return writer.take();
 }
 
@@ -191,7 +210,8 @@ HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_poi
   if (!state.stalled.empty()) return {false, "stalled: the " + state.stalled + " makes no progress"};
   if (now - state.last_valid <= kLongestInvalid) return {true, "valid"};
   const health_t& health = state.health;
-  const std::string problem = health.problem.empty() ? "" : ": " + health.problem;
+  const std::string& cause = health.problem.empty() ? health.bound_exceeded : health.problem;
+  const std::string problem = cause.empty() ? "" : ": " + cause;
   const bool is_refused =
       health.left.state == camera_health_t::REFUSED || health.right.state == camera_health_t::REFUSED;
   if (const char* camera = waitingCamera(health); camera != nullptr && !is_refused)

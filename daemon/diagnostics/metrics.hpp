@@ -17,7 +17,7 @@ namespace cartvo::daemon {
 /// Upper bounds of the latency histogram, s: last packet to publication.
 constexpr std::array<double, 7> kLatencyBounds{0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5};
 
-/// Sums over all processed pairs since the start. Times in s.
+/// Sums over all processed pairs since the start, and the bounds of the last one. Times in s.
 struct PairTotals {
   std::uint64_t pairs = 0;
   std::array<double, vo::kStageCount> stages{};  ///< by vo::Stage
@@ -26,6 +26,10 @@ struct PairTotals {
   std::array<double, 2> decode{};                ///< last packet until decoded, left and right
   double latency = 0.0;
   std::array<std::uint64_t, kLatencyBounds.size()> latency_counts{};  ///< of pairs up to each bound
+
+  std::uint64_t above_alert_limit = 0;  ///< pairs
+  ProtectionLevel level;
+  std::int8_t quality = 0;
 
   void add(const PairResult& result, const odometry_t& message);
 };

@@ -17,9 +17,10 @@ class ValidityLog {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Returns the line to log for one message, or empty. Does not log, for tests; `log` does.
-  std::string due(const odometry_t& message, Clock::time_point now);
-  void log(const odometry_t& message);
+  /// Returns the line to log for one message, or empty. `bound_exceeded`: of this message, see
+  /// LimitedBound::text(). Does not log, for tests; `log` does.
+  std::string due(const odometry_t& message, const std::string& bound_exceeded, Clock::time_point now);
+  void log(const odometry_t& message, const std::string& bound_exceeded);
 
   /// Validity of the last message; false before the first.
   bool isValid() const { return valid_; }

@@ -75,6 +75,7 @@ std::string healthMembers(const health_t& health) {
        {"features_configured", health.features_configured},
        {"features_least", health.features_least},
        {"self_check", health.self_check},
+       {"bound_exceeded", health.bound_exceeded},
        {"problem", health.problem}});
 }
 

@@ -2,6 +2,7 @@
 #include "daemon/page/page_sample.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -61,7 +62,14 @@ PageSample pageSample(const odometry_t& message, double process) {
            1e-3 * static_cast<double>(message.offset_us),
            static_cast<double>(message.features),
            static_cast<double>(message.tracked),
-           static_cast<double>(message.inliers)}};
+           static_cast<double>(message.inliers),
+           static_cast<double>(message.quality),
+           message.velocity_bound[0],
+           message.angular_rate_bound[0],
+           message.angular_rate_bound[1],
+           message.angular_rate_bound[2],
+           *std::max_element(std::begin(message.motion_bound), std::end(message.motion_bound)),
+           *std::max_element(std::begin(message.rotation_bound), std::end(message.rotation_bound))}};
 }
 
 void appendNumber(double value, int digits, std::string& json) {

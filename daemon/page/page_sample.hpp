@@ -13,21 +13,42 @@
 namespace cartvo::daemon {
 
 /// Names of the numbers of a sample, in the order in which the page receives them. Lengths in m, angles in
-/// rad, times in s unless the name says otherwise; `stddev_`: standard deviations. x, y, z, yaw: pose in the
+/// rad, times in s unless the name says otherwise; `stddev_`: standard deviations; `bound_`: bounds as in
+/// odometry_t, of the last second's motion the largest of the three axes. x, y, z, yaw: pose in the
 /// world; xx, xy, yy: covariance of x and y in the world's axes.
-inline constexpr std::array kSampleFields{"sequence",   "utime_us",
-                                          "valid",      "reasons",
-                                          "epoch",      "x",
-                                          "y",          "z",
-                                          "yaw",        "xx",
-                                          "xy",         "yy",
-                                          "speed",      "stddev_speed",
-                                          "roll_rate",  "stddev_roll_rate",
-                                          "pitch_rate", "stddev_pitch_rate",
-                                          "yaw_rate",   "stddev_yaw_rate",
-                                          "latency_ms", "process_ms",
-                                          "offset_ms",  "features",
-                                          "tracked",    "inliers"};
+inline constexpr std::array kSampleFields{"sequence",
+                                          "utime_us",
+                                          "valid",
+                                          "reasons",
+                                          "epoch",
+                                          "x",
+                                          "y",
+                                          "z",
+                                          "yaw",
+                                          "xx",
+                                          "xy",
+                                          "yy",
+                                          "speed",
+                                          "stddev_speed",
+                                          "roll_rate",
+                                          "stddev_roll_rate",
+                                          "pitch_rate",
+                                          "stddev_pitch_rate",
+                                          "yaw_rate",
+                                          "stddev_yaw_rate",
+                                          "latency_ms",
+                                          "process_ms",
+                                          "offset_ms",
+                                          "features",
+                                          "tracked",
+                                          "inliers",
+                                          "quality",
+                                          "bound_speed",
+                                          "bound_roll_rate",
+                                          "bound_pitch_rate",
+                                          "bound_yaw_rate",
+                                          "bound_motion",
+                                          "bound_rotation"};
 
 /// Values in the order of kSampleFields; NaN: unknown.
 struct PageSample {

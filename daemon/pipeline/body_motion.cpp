@@ -42,15 +42,13 @@ vo::Matrix6d inverseRightJacobian(const vo::Vector6d& twist) {
   return vo::Matrix6d::Identity() + 0.5 * ad + squared / 12.0 - squared * squared / 720.0;
 }
 
-/// Error of a pose or motion for a scale that is off by one standard deviation: all distances are too long by
-/// the same fraction. Right perturbation.
+}  // namespace
+
 vo::Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_stddev) {
   vo::Vector6d error = vo::Vector6d::Zero();
   error.head<3>() = scale_stddev * (pose.linear().transpose() * pose.translation());
   return error;
 }
-
-}  // namespace
 
 vo::Vector6d logarithm(const Eigen::Isometry3d& motion) {
   const Eigen::Vector3d rotation = rotationLogarithm(motion.rotation());
@@ -73,12 +71,7 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
   motion.T_previous_current = T_body_rectified * estimate.T_previous_current * T_rectified_body;
 
   if (!estimate.valid || !(estimate.time_step > 0.0)) {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    motion.velocity.setConstant(kUnknown);
-    motion.angular_velocity.setConstant(kUnknown);
-    motion.twist_covariance.setConstant(kUnknown);
-    motion.twist_offset_error.setConstant(kUnknown);
-    motion.twist_scale_error.setConstant(kUnknown);
+    eraseTwist(motion);
     return motion;
   }
   const vo::Vector6d twist = logarithm(motion.T_previous_current);
@@ -105,6 +98,15 @@ void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::I
   motion.twist_offset_error.setZero();
   motion.twist_covariance = Ad * twist.covariance * Ad.transpose() +
                             motion.twist_scale_error * motion.twist_scale_error.transpose();
+}
+
+void eraseTwist(BodyMotion& motion) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  motion.velocity.setConstant(kUnknown);
+  motion.angular_velocity.setConstant(kUnknown);
+  motion.twist_covariance.setConstant(kUnknown);
+  motion.twist_offset_error.setConstant(kUnknown);
+  motion.twist_scale_error.setConstant(kUnknown);
 }
 
 }  // namespace cartvo::daemon

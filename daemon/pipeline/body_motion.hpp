@@ -36,6 +36,13 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
 void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::Isometry3d& T_body_rectified,
               double scale_stddev);
 
+/// Sets velocity, rates, their covariance and its parts to NaN: not known, or not well enough.
+void eraseTwist(BodyMotion& motion);
+
+/// Error of a pose or motion for a scale that is off by one standard deviation: all distances are too long by
+/// the same fraction. Right perturbation.
+vo::Vector6d scaleError(const Eigen::Isometry3d& pose, double scale_stddev);
+
 /// Logarithm of SE(3): the twist (v, omega) which, applied for one unit of time, produces `motion`. Rotations
 /// below pi. (J. Solà et al., "A micro Lie theory for state estimation in robotics", 2018, eq. 173.)
 vo::Vector6d logarithm(const Eigen::Isometry3d& motion);

@@ -1,4 +1,4 @@
-// Processes a pair of frames: rectification, odometry, body motion, velocity at the exposure.
+// Processes a pair of frames: rectification, odometry, body motion, velocity at the exposure, its bounds.
 
 #include "daemon/pipeline/pair_processor.hpp"
 
@@ -27,16 +27,17 @@ FrameInstants instants(const capture::Frame& frame) {
 
 class PairProcessor::Implementation {
  public:
-  Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings,
-                 AbsentReadout absent_readout)
+  Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const PairProcessorSettings& settings)
       : rectifier_(std::move(rectifier)),
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
         scale_stddev_(rig.scale_stddev),
-        odometry_(stereoCamera(rectifier_.rectification()), settings,
-                  stereoShutters(rig, rectifier_.rectification(), absent_readout),
+        odometry_(stereoCamera(rectifier_.rectification()), settings.odometry,
+                  stereoShutters(rig, rectifier_.rectification(), settings.absent_readout),
                   {rectifier_.leftMask(), rectifier_.rightMask()}),
-        features_(settings.features) {}
+        levels_(T_body_rectified_, scale_stddev_, settings.odometry.uncertainty),
+        alert_limits_(settings.alert_limits),
+        features_(settings.odometry.features) {}
 
   PairResult process(const capture::FramePair& pair) {
     PairResult result;
@@ -53,6 +54,7 @@ class PairProcessor::Implementation {
     extrapolateVelocity(result);
     if (result.estimate.valid && result.estimate.twist)
       setTwist(result.motion, *result.estimate.twist, T_body_rectified_, scale_stddev_);
+    holdToAlertLimits(result);
     result.times = clock_.endPair();
     if (view != nullptr) complete(*view, result);
     return result;
@@ -86,6 +88,14 @@ class PairProcessor::Implementation {
     result.motion.velocity = now.value.head<3>();
     result.motion.angular_velocity = now.value.tail<3>();
     result.motion.twist_covariance = now.covariance + shared;
+  }
+
+  /// The estimator goes on with what is not known well enough to be published.
+  void holdToAlertLimits(PairResult& result) {
+    result.level = levels_.update(result.estimate, result.motion);
+    if (!result.motion.velocity.allFinite()) return;
+    result.worst = worstBound(result.level, alert_limits_);
+    if (result.worst->isExceeded()) eraseTwist(result.motion);
   }
 
   void complete(PairView& view, const PairResult& result) const {
@@ -123,6 +133,8 @@ class PairProcessor::Implementation {
   double scale_stddev_;
   vo::StereoImages images_;  ///< rectified; in the odometry's buffers, or kept to reuse their memory
   vo::StereoOdometry odometry_;
+  ProtectionLevels levels_;
+  AlertLimits alert_limits_;
   int features_;
   VelocityAtExposure velocity_;
   StageClock clock_;
@@ -131,9 +143,8 @@ class PairProcessor::Implementation {
 };
 
 PairProcessor::PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier,
-                             const vo::OdometrySettings& settings, AbsentReadout absent_readout)
-    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings, absent_readout)) {
-}
+                             const PairProcessorSettings& settings)
+    : implementation_(std::make_unique<Implementation>(rig, std::move(rectifier), settings)) {}
 PairProcessor::~PairProcessor() = default;
 PairProcessor::PairProcessor(PairProcessor&&) noexcept = default;
 PairProcessor& PairProcessor::operator=(PairProcessor&&) noexcept = default;

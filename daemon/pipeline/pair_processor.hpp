@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "daemon/pipeline/body_motion.hpp"
 #include "daemon/pipeline/pair_view.hpp"
+#include "daemon/pipeline/protection_level.hpp"
 #include "daemon/pipeline/shutters.hpp"
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -38,9 +40,18 @@ struct PairResult {
   vo::OdometryEstimate estimate;  ///< of the rectified left camera
   int features = 0;               ///< target number
   BodyMotion motion;              ///< of the cart's body; velocities at the exposure (estimate.twist, else
-                                  ///< VelocityAtExposure)
+                                  ///< VelocityAtExposure), NaN if a bound exceeds its alert limit
+  ProtectionLevel level;          ///< of `motion`
+  std::optional<LimitedBound> worst;  ///< of `level`; empty if there is no estimate
   StageTimes times;
 
+  /// Whether a bound exceeds its alert limit.
+  bool exceedsAlertLimit() const { return worst && worst->isExceeded(); }
+  /// Whether velocities and pose are published as VALID: they are known, and well enough.
+  bool isValid() const {
+    return estimate.valid && worst && !worst->isExceeded() && motion.velocity.allFinite() &&
+           motion.angular_velocity.allFinite();
+  }
   /// Right minus left exposure, ns.
   std::int64_t offset_ns() const { return right.exposure_ns - left.exposure_ns; }
   /// Offset minus the difference of the minimum-delay arrival times, ns; meaningful for live cameras only.
@@ -51,14 +62,19 @@ struct PairResult {
   std::int64_t arrival_ns() const { return std::max(left.arrival_ns, right.arrival_ns); }
 };
 
+struct PairProcessorSettings {
+  vo::OdometrySettings odometry{};
+  /// For a camera whose readout the rig does not state.
+  AbsentReadout absent_readout = AbsentReadout::global_shutter;
+  AlertLimits alert_limits{};
+};
+
 /// Processes a pair: rectification, odometry, motion of the body. Used for live cameras and replay alike.
 /// Deterministic; not thread-safe.
 class PairProcessor {
  public:
-  /// `rectifier`: built for `rig` (loadOrBuildTables). `absent_readout`: for a camera whose readout the rig
-  /// does not state. Throws what the odometry throws.
-  PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier, const vo::OdometrySettings& settings,
-                AbsentReadout absent_readout = AbsentReadout::global_shutter);
+  /// `rectifier`: built for `rig` (loadOrBuildTables). Throws what the odometry throws.
+  PairProcessor(const calib::Rig& rig, calib::Rectifier rectifier, const PairProcessorSettings& settings);
   ~PairProcessor();
   PairProcessor(PairProcessor&&) noexcept;
   PairProcessor& operator=(PairProcessor&&) noexcept;

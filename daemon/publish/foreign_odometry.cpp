@@ -1,8 +1,7 @@
 // Finds other programs that publish odometry on the daemon's channel.
 #include "daemon/publish/foreign_odometry.hpp"
 
-#include <algorithm>
-
+#include <cartvo/odometry_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/publish/lcm_connection.hpp"
@@ -10,7 +9,6 @@
 namespace cartvo::daemon {
 namespace {
 
-constexpr std::size_t kMaxKept = 1000;  // messages; several seconds at any frame rate
 constexpr int kPoll_ms = 200;
 // Another daemon sends at least every 0.5 s, whether its cameras send or not.
 constexpr std::chrono::milliseconds kListening{550};
@@ -22,20 +20,21 @@ using Clock = std::chrono::steady_clock;
 /// What the thread receives. Owned by both sides: the thread may outlive the daemon for the seconds of LCM's
 /// test.
 struct ForeignOdometry::Receiver {
+  explicit Receiver(std::int64_t source_id) : own_source_id(source_id) {}
   void run(const std::string& url);
   void onData(const lcm::ReceiveBuffer* buffer, const std::string& channel);
 
   std::atomic<bool> stopped = false;
   std::atomic<bool> tested = false;  ///< LCM's test is over
   std::atomic<Clock::time_point> receiving_since{};
-  std::mutex mutex;  ///< guards the following
-  std::vector<Identity> received;
-  std::size_t undecodable = 0;
+  std::atomic<bool> has_foreign = false;  ///< since the last consumeProblem, as is the next
+  std::atomic<bool> has_undecodable = false;
+  const std::int64_t own_source_id;
 };
 
-ForeignOdometry::ForeignOdometry(const std::string& url)
+ForeignOdometry::ForeignOdometry(const std::string& url, std::int64_t own_source_id)
     : begin_(Clock::now()),
-      receiver_(std::make_shared<Receiver>()),
+      receiver_(std::make_shared<Receiver>(own_source_id)),
       thread_([receiver = receiver_, url] { receiver->run(url); }) {}
 
 ForeignOdometry::~ForeignOdometry() {
@@ -47,11 +46,6 @@ ForeignOdometry::~ForeignOdometry() {
   }
 }
 
-void ForeignOdometry::addOwn(const odometry_t& message) {
-  own_.emplace_back(message.sequence, message.publication_utime);
-  if (own_.size() > kMaxKept) own_.pop_front();
-}
-
 bool ForeignOdometry::hasListened() const {
   const Clock::time_point now = Clock::now();
   if (!receiver_->tested) return now - begin_ > kMaxTest;
@@ -59,21 +53,13 @@ bool ForeignOdometry::hasListened() const {
 }
 
 std::string ForeignOdometry::consumeProblem() {
-  std::vector<Identity> received;
-  std::size_t undecodable = 0;
-  {
-    const std::lock_guard lock(receiver_->mutex);
-    received.swap(receiver_->received);
-    undecodable = std::exchange(receiver_->undecodable, 0);
-  }
-  const auto foreign = std::count_if(received.begin(), received.end(), [this](const Identity& message) {
-    return std::find(own_.begin(), own_.end(), message) == own_.end();
-  });
-  if (foreign > 0) {
+  const bool has_foreign = receiver_->has_foreign.exchange(false);
+  const bool has_undecodable = receiver_->has_undecodable.exchange(false);
+  if (has_foreign) {
     return std::string("another program publishes ") + kOdometryChannel +
            ": controllers receive two motions; stop the other cartvod or replay, or give one another lcm.url";
   }
-  if (undecodable > 0) {
+  if (has_undecodable) {
     return std::string("another program publishes ") + kOdometryChannel +
            " with another definition of the type, as another release of cartvod does; stop it, or give one "
            "another lcm.url";
@@ -97,12 +83,10 @@ void ForeignOdometry::Receiver::run(const std::string& url) {
 void ForeignOdometry::Receiver::onData(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/) {
   odometry_t message{};
   const auto bytes = static_cast<int>(buffer->data_size);
-  const bool is_decoded = message.decode(buffer->data, 0, bytes) == bytes;
-  const std::lock_guard lock(mutex);
-  if (!is_decoded) {
-    ++undecodable;
-  } else if (received.size() < kMaxKept) {
-    received.emplace_back(message.sequence, message.publication_utime);
+  if (message.decode(buffer->data, 0, bytes) != bytes) {
+    has_undecodable = true;
+  } else if (message.source_id != own_source_id) {
+    has_foreign = true;
   }
 }
 

@@ -2,17 +2,10 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
-#include <utility>
-#include <vector>
-
-#include <cartvo/odometry_t.hpp>
 
 namespace cartvo::daemon {
 
@@ -21,16 +14,14 @@ namespace cartvo::daemon {
 /// because LCM tests the route of the group first, which takes up to 20 s if nothing comes back.
 class ForeignOdometry {
  public:
-  /// `url`: as for connectLcm. Where LCM receives nothing, no foreign messages are found.
-  explicit ForeignOdometry(const std::string& url);
+  /// `url`: as for connectLcm. `own_source_id`: of this daemon's messages. Where LCM receives nothing, no
+  /// foreign messages are found.
+  ForeignOdometry(const std::string& url, std::int64_t own_source_id);
 
   /// Does not wait for LCM's test of the route.
   ~ForeignOdometry();
   ForeignOdometry(const ForeignOdometry&) = delete;
   ForeignOdometry& operator=(const ForeignOdometry&) = delete;
-
-  /// Notes a message of this daemon. Called for each, before the next `consumeProblem`.
-  void addOwn(const odometry_t& message);
 
   /// Whether another daemon would have been received by now. Before that, this daemon should not publish.
   bool hasListened() const;
@@ -39,11 +30,9 @@ class ForeignOdometry {
   std::string consumeProblem();
 
  private:
-  using Identity = std::pair<std::int64_t, std::int64_t>;  ///< sequence, publication_utime
   struct Receiver;
 
   std::chrono::steady_clock::time_point begin_;
-  std::deque<Identity> own_;  ///< the last ones
   std::shared_ptr<Receiver> receiver_;
   std::thread thread_;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <random>
 
 #include <lcm/lcm-cpp.hpp>
 
@@ -63,12 +64,38 @@ void setMatrix(double (&rows)[36], const vo::Matrix6d& matrix) {
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{rows} = matrix;
 }
 
+template <std::size_t count>
+void setUnknown(double (&values)[count]) {
+  std::fill(std::begin(values), std::end(values), kUnknown);
+}
+
+void setAccelerationUnknown(odometry_t& message) {
+  setUnknown(message.acceleration_body);
+  setUnknown(message.acceleration_covariance_body);
+}
+
+void setBounds(odometry_t& message, const ProtectionLevel& level) {
+  Eigen::Map<Eigen::Vector3d>(message.velocity_bound) = level.velocity;
+  Eigen::Map<Eigen::Vector3d>(message.angular_rate_bound) = level.angular_rate;
+  Eigen::Map<Eigen::Vector3d>(message.motion_bound) = level.motion;
+  Eigen::Map<Eigen::Vector3d>(message.rotation_bound) = level.rotation;
+}
+
 /// Sets to NaN all fields of an INVALID message that could be mistaken for measurements.
 void eraseMeasurements(odometry_t& message) {
-  std::fill(std::begin(message.pose_covariance_body), std::end(message.pose_covariance_body), kUnknown);
-  std::fill(std::begin(message.velocity_body), std::end(message.velocity_body), kUnknown);
-  std::fill(std::begin(message.angular_velocity_body), std::end(message.angular_velocity_body), kUnknown);
-  std::fill(std::begin(message.twist_covariance_body), std::end(message.twist_covariance_body), kUnknown);
+  message.quality = 0;
+  setUnknown(message.pose_covariance_body);
+  setUnknown(message.velocity_body);
+  setUnknown(message.angular_velocity_body);
+  setUnknown(message.twist_covariance_body);
+  setAccelerationUnknown(message);
+  setBounds(message, {});
+}
+
+/// Positive: 0 stands for a replay.
+std::int64_t randomSourceId() {
+  std::random_device random;
+  return std::uniform_int_distribution<std::int64_t>(1, std::numeric_limits<std::int64_t>::max())(random);
 }
 
 std::int32_t noPairBits(NoPairCause cause) {
@@ -115,11 +142,21 @@ odometry_t odometryMessage(const PairResult& result) {
   Eigen::Map<Eigen::Vector3d>(message.angular_velocity_body) = result.motion.angular_velocity;
   setMatrix(message.twist_covariance_body, result.motion.twist_covariance);
 
-  // Without a time step there is a motion but no velocity; a VALID message has both.
-  const bool complete = result.motion.velocity.allFinite() && result.motion.angular_velocity.allFinite();
-  message.status = estimate.valid && complete ? odometry_t::VALID : odometry_t::INVALID;
-  if (estimate.valid && !complete) message.reasons |= odometry_t::REASON_TIME_STEP;
-  if (message.status == odometry_t::INVALID) eraseMeasurements(message);
+  setAccelerationUnknown(message);
+  if (result.isValid()) {
+    message.status = odometry_t::VALID;
+    message.quality = static_cast<std::int8_t>(result.worst->quality());
+    setBounds(message, result.level);
+    return message;
+  }
+  message.status = odometry_t::INVALID;
+  eraseMeasurements(message);
+  if (result.exceedsAlertLimit()) {
+    message.reasons |= odometry_t::REASON_BOUND;
+    setBounds(message, result.level);
+  } else if (estimate.valid) {
+    message.reasons |= odometry_t::REASON_TIME_STEP;  // a motion without a velocity
+  }
   return message;
 }
 
@@ -138,7 +175,7 @@ odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last) {
 }
 
 OdometryPublisher::OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live)
-    : lcm_(lcm), time_to_live_(time_to_live), last_{} {
+    : lcm_(lcm), time_to_live_(time_to_live), source_id_(randomSourceId()), last_{} {
   setPose(last_, Eigen::Isometry3d::Identity());
 }
 
@@ -152,6 +189,7 @@ const odometry_t& OdometryPublisher::publish(const NoPair& no_pair) {
 
 const odometry_t& OdometryPublisher::send(const odometry_t& message) {
   last_ = message;
+  last_.source_id = source_id_;
   last_.sequence = next_sequence_++;
   last_.time_to_live_us = time_to_live_.count();
   const std::int64_t correction = hostClockCorrection();

@@ -18,14 +18,15 @@ namespace cartvo::daemon {
 /// Maps the odometry's reasons to the bits of odometry_t.reasons.
 std::int32_t reasonBits(const vo::OdometryReasons& reasons);
 
-/// Builds the message for one pair. daemon/messages/odometry_t.lcm defines the content of an invalid one.
+/// Builds the message for one pair, with the source id of a replay. daemon/messages/odometry_t.lcm defines
+/// the content of an invalid one.
 odometry_t odometryMessage(const PairResult& result);
 
 /// Builds the message for a pair that did not arrive, with the pose of `last`.
 odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last);
 
 /// Publishes CARTVO_ODOMETRY: one message for each pair and for each pair that did not arrive, numbered
-/// without gaps.
+/// without gaps, from a source id of its own.
 class OdometryPublisher {
  public:
   /// `lcm` is borrowed and must outlive the publisher.
@@ -38,6 +39,8 @@ class OdometryPublisher {
   /// Of the messages from now on.
   void setTimeToLive(std::chrono::milliseconds time_to_live) { time_to_live_ = time_to_live; }
 
+  std::int64_t sourceId() const { return source_id_; }
+
   /// Number of messages that the operating system refused to send.
   std::uint64_t failures() const { return failures_; }
 
@@ -46,6 +49,7 @@ class OdometryPublisher {
 
   lcm::LCM& lcm_;
   std::chrono::microseconds time_to_live_;
+  std::int64_t source_id_;
   odometry_t last_;
   std::int64_t next_sequence_ = 0;
   std::uint64_t failures_ = 0;

@@ -9,7 +9,7 @@
 
 namespace cartvo::daemon {
 std::string reasonNames(std::int32_t reasons) {
-  static constexpr std::array<std::pair<std::int32_t, const char*>, 16> kNames{{
+  static constexpr std::array<std::pair<std::int32_t, const char*>, 17> kNames{{
       {odometry_t::REASON_FIRST_PAIR, "first pair"},
       {odometry_t::REASON_TOO_FEW_FEATURES, "too few features"},
       {odometry_t::REASON_TOO_FEW_MATCHES, "too few matches"},
@@ -23,6 +23,7 @@ std::string reasonNames(std::int32_t reasons) {
       {odometry_t::REASON_OFFSET_TOO_LARGE, "offset too large"},
       {odometry_t::REASON_REPEATED_PICTURE, "repeated picture"},
       {odometry_t::REASON_WRONG_STEREO_GEOMETRY, "wrong stereo geometry"},
+      {odometry_t::REASON_BOUND, "bound above its alert limit"},
       {odometry_t::REASON_NO_PAIR, "no pair"},
       {odometry_t::REASON_DAMAGED_FRAME, "damaged frame"},
       {odometry_t::REASON_WRONG_SIZE, "wrong picture size"},

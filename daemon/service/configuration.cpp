@@ -14,6 +14,7 @@
 #include "capture/rtsp/rtsp_url.hpp"
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
+#include "common/units.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/configuration_names.hpp"
 
@@ -35,7 +36,9 @@ constexpr Keys kOdometryKeys = {"estimator",
                                 "threads",
                                 "online_rig_refinement",
                                 "maximum_offset",
-                                "maximum_offset_uncertainty"};
+                                "maximum_offset_uncertainty",
+                                "alert_limits"};
+constexpr Keys kAlertLimitsKeys = {"velocity", "angular_rate", "motion", "rotation"};
 constexpr Keys kLcmKeys = {"url", "time_to_live", "pose_channel", "pose_velocity"};
 constexpr Keys kRecordingKeys = {"directory", "start", "maximum_size", "maximum_age", "keep_free"};
 constexpr Keys kMetricsKeys = {"listen"};
@@ -171,6 +174,16 @@ vo::RigRefinement rigRefinement(const StrictYaml& yaml) {
   return choice(yaml, kRigRefinements);
 }
 
+/// Limits above these ranges are none; below them no motion is ever valid.
+void readAlertLimits(const StrictYaml& yaml, AlertLimits& limits) {
+  yaml.allowOnly(kAlertLimitsKeys);
+  if (yaml.has("velocity")) limits.velocity = yaml["velocity"].number(0.01, 100.0);
+  if (yaml.has("angular_rate"))
+    limits.angular_rate = kRadiansPerDegree * yaml["angular_rate"].number(0.1, 1000.0);
+  if (yaml.has("motion")) limits.motion = yaml["motion"].number(0.01, 100.0);
+  if (yaml.has("rotation")) limits.rotation = kRadiansPerDegree * yaml["rotation"].number(0.1, 180.0);
+}
+
 void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kOdometryKeys);
   vo::OdometrySettings& odometry = configuration.odometry;
@@ -187,6 +200,7 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   if (yaml.has("maximum_offset_uncertainty")) {
     odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
   }
+  if (yaml.has("alert_limits")) readAlertLimits(yaml["alert_limits"], configuration.alert_limits);
   if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
 }
 
@@ -322,6 +336,7 @@ std::vector<std::string> configurationKeys() {
   add("cameras.left", kCameraKeys);
   add("cameras.right", kCameraKeys);
   add("odometry", kOdometryKeys);
+  add("odometry.alert_limits", kAlertLimitsKeys);
   add("lcm", kLcmKeys);
   add("recording", kRecordingKeys);
   add("metrics", kMetricsKeys);

@@ -99,6 +99,7 @@ class Daemon::Implementation {
   calib::Rig rig_;
   ChannelReservation reservation_;
   std::unique_ptr<lcm::LCM> lcm_;
+  OdometryPublisher publisher_;
   ForeignOdometry foreign_;
   bool is_sole_publisher_ = false;
   LiveRecording recording_;  ///< must outlive the cameras, as the next
@@ -107,7 +108,6 @@ class Daemon::Implementation {
   LiveCamera right_;
   PairProcessor processor_;
   Pipeline pipeline_;
-  OdometryPublisher publisher_;
   PosePublisher pose_publisher_;
   HealthMonitor health_;
   std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured, as is the next
@@ -126,15 +126,15 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       rig_(readConfiguredRig(configuration)),
       reservation_(configuration.lcm_url),
       lcm_(connectLcm(configuration.lcm_url)),
-      foreign_(configuration.lcm_url),
+      publisher_(*lcm_, configuration.time_to_live),
+      foreign_(configuration.lcm_url, publisher_.sourceId()),
       recording_(configuration),
       clock_(configuration.clock),
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
-      processor_(rig_, loadRectifier(rig_, configuration.tables), configuration.odometry,
-                 AbsentReadout::unknown),
+      processor_(rig_, loadRectifier(rig_, configuration.tables),
+                 {configuration.odometry, AbsentReadout::unknown, configuration.alert_limits}),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
-      publisher_(*lcm_, configuration.time_to_live),
       pose_publisher_(*lcm_, configuration.pose_channel, configuration.pose_velocity),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -197,23 +197,21 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(result);
   pose_publisher_.publish(message);
-  foreign_.addOwn(message);
   health_.addPair(result, message);
   if (metrics_) metrics_->addPair(result, message);
   if (page_) page_->addPair(result, message);
   if (message.status == odometry_t::VALID) service_.notifyReady();
-  validity_.log(message);
+  validity_.log(message, result.exceedsAlertLimit() ? result.worst->text() : "");
   tick();
 }
 
 void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
   if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(no_pair);
-  foreign_.addOwn(message);
   health_.addMissedPair();
   if (metrics_) metrics_->addMissedPair(message);
   if (page_) page_->addMissedPair(message);
-  validity_.log(message);
+  validity_.log(message, "");
   tick();
 }
 
@@ -297,6 +295,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
 std::string Daemon::Implementation::statusLine(const health_t& health) {
   if (!health.problem.empty()) return health.problem;
   if (std::string fault = health_.selfCheck().message(); !fault.empty()) return fault;
+  if (!validity_.isValid() && !health.bound_exceeded.empty())
+    return "no valid odometry: " + health.bound_exceeded;
   return fmt::format("{}, {:.1f} pairs/s, latency {:.1f} ms, offset {:.1f} ms, {} skipped",
                      validity_.isValid() ? "odometry valid" : "no valid odometry", health.pair_rate,
                      health.latency_p50_ms, health.offset_ms, health.pairs_skipped);

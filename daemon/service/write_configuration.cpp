@@ -7,6 +7,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "common/image_size.hpp"
+#include "common/units.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/configuration_names.hpp"
 
@@ -31,6 +32,19 @@ void emitPage(YAML::Emitter& yaml, const PageConfiguration& page) {
   if (page.listen) yaml << YAML::Key << "listen" << page.listen->text();
   if (!page.token_file.empty()) yaml << YAML::Key << "token_file" << page.token_file.string();
   if (!page.token_credential.empty()) yaml << YAML::Key << "token_credential" << page.token_credential;
+  yaml << YAML::EndMap;
+}
+
+/// Numbers of nine digits: 3, not 3.0000000000000004.
+void emitAlertLimits(YAML::Emitter& yaml, const AlertLimits& limits) {
+  const auto emit = [&yaml](const char* key, double value) {
+    yaml << YAML::Key << key << fmt::format("{:.9g}", value);
+  };
+  yaml << YAML::Key << "alert_limits" << YAML::BeginMap;
+  emit("velocity", limits.velocity);
+  emit("angular_rate", kDegreesPerRadian * limits.angular_rate);
+  emit("motion", limits.motion);
+  emit("rotation", kDegreesPerRadian * limits.rotation);
   yaml << YAML::EndMap;
 }
 
@@ -78,6 +92,7 @@ std::string effectiveConfiguration(const Configuration& configuration) {
        << fmt::format("{}", configuration.odometry.validity.maximum_offset);
   yaml << YAML::Key << "maximum_offset_uncertainty"
        << configuration.odometry.validity.maximum_offset_uncertainty;
+  emitAlertLimits(yaml, configuration.alert_limits);
   yaml << YAML::Key << "threads" << configuration.threads << YAML::EndMap;
   yaml << YAML::Key << "lcm" << YAML::BeginMap << YAML::Key << "url" << configuration.lcm_url;
   yaml << YAML::Key << "time_to_live" << seconds(configuration.time_to_live);

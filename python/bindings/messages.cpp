@@ -63,6 +63,9 @@ void bindOdometryMessage(py::module_& module) {
       .def_readonly("time_to_live_us", &Message::time_to_live_us, "do not steer on an older message")
       .def_readonly("sequence", &Message::sequence, "counts the messages; a gap is a lost message")
       .def_readonly("offset_us", &Message::offset_us, "right exposure minus the left one")
+      .def_readonly("source_id", &Message::source_id, "of the daemon's run, chosen at random; 0: a replay")
+      .def_readonly("quality", &Message::quality,
+                    "distance of the worst bound from its alert limit: 1 to 100; 0 if INVALID")
       .def_readonly("epoch", &Message::reset_counter, "increments when the pose restarts")
       .def_property_readonly(
           "position", [](const Message& self) { return toArray(self.position_world_body, 3); },
@@ -83,6 +86,25 @@ void bindOdometryMessage(py::module_& module) {
           "twist_covariance",
           [](const Message& self) { return toSquareArray(self.twist_covariance_body, 6); },
           "6x6 of velocity, then angular velocity; NaN if INVALID")
+      .def_property_readonly(
+          "acceleration", [](const Message& self) { return toArray(self.acceleration_body, 3); },
+          "m/s^2 in body axes; NaN: not estimated")
+      .def_property_readonly(
+          "acceleration_covariance",
+          [](const Message& self) { return toSquareArray(self.acceleration_covariance_body, 3); }, "3x3")
+      .def_property_readonly(
+          "velocity_bound", [](const Message& self) { return toArray(self.velocity_bound, 3); },
+          "m/s: errors of velocity exceed it with a probability of at most 1e-4 a message; NaN if INVALID, "
+          "except for 'bound above its alert limit', as are the next three")
+      .def_property_readonly(
+          "angular_rate_bound", [](const Message& self) { return toArray(self.angular_rate_bound, 3); },
+          "rad/s, of angular_velocity")
+      .def_property_readonly(
+          "motion_bound", [](const Message& self) { return toArray(self.motion_bound, 3); },
+          "m, of the translation over the last second, in body axes")
+      .def_property_readonly(
+          "rotation_bound", [](const Message& self) { return toArray(self.rotation_bound, 3); },
+          "rad, of the rotation over the last second")
       .def_readonly("features", &Message::features)
       .def_readonly("tracked", &Message::tracked)
       .def_readonly("inliers", &Message::inliers)
@@ -172,6 +194,8 @@ void bindHealthMessage(py::module_& module) {
       .def_property_readonly("self_check", text(&Health::self_check),
                              "calibration error to fix; empty if none")
       .def_property_readonly("problem", text(&Health::problem), "what to fix first; empty if nothing")
+      .def_property_readonly("bound_exceeded", text(&Health::bound_exceeded),
+                             "the bound farthest above its alert limit in the last second; empty if none")
       .def("encode", &encode<Health>, "the bytes of the message");
 }
 

@@ -8,6 +8,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "daemon/publish/odometry_publisher.hpp"
+#include "daemon/publish/odometry_reasons.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/estimate.hpp"
@@ -24,10 +26,11 @@ using daemon::PairResult;
 /// daemon::PairProcessor for several Python threads, one at a time.
 class Processor {
  public:
-  Processor(const calib::Rig& rig, const vo::OdometrySettings& settings, bool unknown_readout)
+  Processor(const calib::Rig& rig, const vo::OdometrySettings& settings, bool unknown_readout,
+            const daemon::AlertLimits& alert_limits)
       : size_(rig.left.size),
-        processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, settings,
-                   absentReadout(unknown_readout)) {}
+        processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)},
+                   {settings, absentReadout(unknown_readout), alert_limits}) {}
 
   PairResult process(const Pair& pair) {
     requireSize(pair.frames.left, "left");
@@ -50,24 +53,64 @@ class Processor {
   daemon::PairProcessor processor_;  // guarded by mutex_
 };
 
-bool isValid(const PairResult& result) {
-  return result.estimate.valid && result.motion.velocity.allFinite() &&
-         result.motion.angular_velocity.allFinite();
+py::list reasonsOf(const PairResult& result) {
+  return partsOf(daemon::reasonNames(daemon::odometryMessage(result).reasons));
+}
+
+void bindAlertLimits(py::module_& module) {
+  using daemon::AlertLimits;
+  py::class_<AlertLimits>(
+      module, "AlertLimits",
+      "Largest bounds, for each axis, with which a motion is valid: odometry.alert_limits "
+      "of cartvod, but angles in rad.")
+      .def(py::init<>())
+      .def_readwrite("velocity", &AlertLimits::velocity, "m/s")
+      .def_readwrite("angular_rate", &AlertLimits::angular_rate, "rad/s")
+      .def_readwrite("motion", &AlertLimits::motion, "m, of the translation over the last second")
+      .def_readwrite("rotation", &AlertLimits::rotation, "rad, of the rotation over the last second");
+}
+
+template <typename Class>
+void addBounds(Class& estimate) {
+  estimate
+      .def_property_readonly(
+          "velocity_bound", [](const PairResult& self) { return toArray(self.level.velocity); },
+          "m/s: the errors of velocity exceed it with a probability of at most 1e-4 an estimate; NaN if "
+          "nothing was measured, as are the next three")
+      .def_property_readonly(
+          "angular_rate_bound", [](const PairResult& self) { return toArray(self.level.angular_rate); },
+          "rad/s, of angular_velocity")
+      .def_property_readonly(
+          "motion_bound", [](const PairResult& self) { return toArray(self.level.motion); },
+          "m, of the translation over the last second, in the axes of the current body")
+      .def_property_readonly(
+          "rotation_bound", [](const PairResult& self) { return toArray(self.level.rotation); },
+          "rad, of the rotation over the last second")
+      .def_property_readonly(
+          "quality", [](const PairResult& self) { return self.isValid() ? self.worst->quality() : 0; },
+          "distance of the worst bound from its alert limit: 1 to 100, 0 if invalid")
+      .def_property_readonly(
+          "bound_exceeded",
+          [](const PairResult& self) {
+            return self.exceedsAlertLimit() ? self.worst->text() : std::string();
+          },
+          "the bound that is farthest above its alert limit, in words; empty if none is");
 }
 
 }  // namespace
 
 void bindPairProcessor(py::module_& module) {
-  py::class_<PairResult>(
+  bindAlertLimits(module);
+  py::class_<PairResult> estimate(
       module, "BodyEstimate",
       "Result of PairProcessor for one pair: the motion of the cart's body, as cartvod publishes it. "
-      "Body axes: x forward, y left, z up.")
+      "Body axes: x forward, y left, z up.");
+  estimate
       .def_property_readonly(
-          "status", [](const PairResult& self) { return isValid(self) ? Status::valid : Status::invalid; })
-      .def_property_readonly("valid", &isValid, "whether pose and velocity were measured")
-      .def_property_readonly(
-          "reasons", [](const PairResult& self) { return reasonList(self.estimate.reasons); },
-          "why it is invalid; if valid empty or ['zero velocity']")
+          "status", [](const PairResult& self) { return self.isValid() ? Status::valid : Status::invalid; })
+      .def_property_readonly("valid", &PairResult::isValid,
+                             "whether pose and velocity were measured, each bound below its alert limit")
+      .def_property_readonly("reasons", &reasonsOf, "why it is invalid; if valid empty or ['zero velocity']")
       .def_property_readonly(
           "exposure_ns", [](const PairResult& self) { return self.left.exposure_ns; }, "of the left image")
       .def_property_readonly(
@@ -89,12 +132,14 @@ void bindPairProcessor(py::module_& module) {
           "twist_covariance", [](const PairResult& self) { return toArray(self.motion.twist_covariance); },
           "6x6 of velocity, then angular velocity; NaN if invalid")
       .def_readonly("camera", &PairResult::estimate, "the estimate of the rectified left camera");
+  addBounds(estimate);
 
   py::class_<Processor>(
       module, "PairProcessor",
       "What cartvod does with a pair of raw images: rectification, odometry, motion of the body.")
-      .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool>(), py::arg("rig"),
-           py::arg("settings") = vo::OdometrySettings{}, py::kw_only(), py::arg("unknown_readout") = false,
+      .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool, const daemon::AlertLimits&>(),
+           py::arg("rig"), py::arg("settings") = vo::OdometrySettings{}, py::kw_only(),
+           py::arg("unknown_readout") = false, py::arg("alert_limits") = daemon::AlertLimits{},
            "unknown_readout: as of Odometry. Raises ValueError if the rig or a setting is out of range.")
       .def("process", &Processor::process, py::arg("pair"),
            "Processes the next pair and lets other threads run. Raises ValueError for images of another size "

@@ -4,6 +4,7 @@ Images are numpy arrays of dtype uint8 and shape (height, width), which are not 
 docs/library.md shows the use; the stubs beside this file list each class.
 """
 from ._cartvo import (
+    AlertLimits,
     BodyEstimate,
     CameraModel,
     Estimate,
@@ -29,6 +30,7 @@ from ._cartvo import (
 )
 
 __all__ = [
+    "AlertLimits",
     "BodyEstimate",
     "CameraModel",
     "Estimate",

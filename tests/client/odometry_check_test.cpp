@@ -40,7 +40,11 @@ TEST(OdometryCheck, SurvivesTheExtremesOfNumbers) {
 
 TEST(OdometryCheck, RefusesWhatAValidMessageCannotHold) {
   ASSERT_EQ(judge(validMessage(), kNow), OdometryVerdict::usable);
-  const std::array<double* (*)(odometry_t&), 6> fields{
+  const std::array<double* (*)(odometry_t&), 10> fields{
+      [](odometry_t& m) { return &m.velocity_bound[0]; },
+      [](odometry_t& m) { return &m.angular_rate_bound[1]; },
+      [](odometry_t& m) { return &m.motion_bound[2]; },
+      [](odometry_t& m) { return &m.rotation_bound[0]; },
       [](odometry_t& m) { return &m.velocity_body[1]; },
       [](odometry_t& m) { return &m.angular_velocity_body[2]; },
       [](odometry_t& m) { return &m.position_world_body[0]; },
@@ -78,6 +82,25 @@ TEST(OdometryCheck, RefusesAValidMessageWithAReasonAgainstIt) {
     message.status = static_cast<std::int8_t>(status);
     EXPECT_EQ(judge(message, kNow), OdometryVerdict::contradicted) << status;
   }
+}
+
+TEST(OdometryCheck, RefusesABoundAboveTheControllersOwnLimit) {
+  const odometry_t message = validMessage();
+  OdometryLimits limits;
+  limits.velocity_bound = message.velocity_bound[0];
+  limits.angular_rate_bound = message.angular_rate_bound[0];
+  limits.motion_bound = message.motion_bound[0];
+  limits.rotation_bound = message.rotation_bound[0];
+  EXPECT_EQ(judge(message, kNow, limits), OdometryVerdict::usable);
+  for (double OdometryLimits::*limit : {&OdometryLimits::velocity_bound, &OdometryLimits::angular_rate_bound,
+                                        &OdometryLimits::motion_bound, &OdometryLimits::rotation_bound}) {
+    OdometryLimits lower = limits;
+    lower.*limit *= 0.999;
+    EXPECT_EQ(judge(message, kNow, lower), OdometryVerdict::uncertain);
+  }
+  odometry_t without_quality = message;
+  without_quality.quality = 0;
+  EXPECT_EQ(judge(without_quality, kNow), OdometryVerdict::contradicted);
 }
 
 TEST(OdometryCheck, BoundsTimeToLiveAndAge) {

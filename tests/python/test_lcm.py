@@ -24,6 +24,10 @@ def test_odometry(odometry_bytes):
     assert message.pose_covariance.shape == (6, 6)
     np.testing.assert_allclose(message.twist_covariance, message.twist_covariance.T)
     assert message.features >= message.inliers > 0
+    assert message.source_id > 0 and 0 < message.quality <= 100
+    for bound in (message.velocity_bound, message.angular_rate_bound, message.motion_bound, message.rotation_bound):
+        assert bound.shape == (3,) and np.all(bound > 0.0)
+    assert np.all(np.isnan(message.acceleration)) and message.acceleration_covariance.shape == (3, 3)
     assert message.encode() == odometry_bytes
     assert cartvo.lcm.decode_odometry(bytearray(odometry_bytes)).utime == message.utime
     assert cartvo.lcm.decode_odometry(memoryview(odometry_bytes)).utime == message.utime
@@ -34,7 +38,7 @@ def test_health(health_bytes):
     assert message.version == cartvo.__version__ and message.left.state == cartvo.lcm.CameraState.STREAMING
     assert message.pairs > 0 and message.right.frames > 0 and message.left.last_error == ""
     assert message.odometry_state in ("tracking", "standstill", "lost")
-    assert message.right_rotation_deg.shape == (3,)
+    assert message.right_rotation_deg.shape == (3,) and message.bound_exceeded == ""
     assert message.encode() == health_bytes
 
 

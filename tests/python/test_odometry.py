@@ -33,7 +33,10 @@ def columns_of(row, prefix):
 def test_pair_processor_gives_what_replay_gives(drive):
     for source in ("images", "recording"):
         recording = cartvo.Recording(drive / source)
-        processor = cartvo.PairProcessor(recording.rig, unknown_readout=recording.is_recording)
+        limits = cartvo.AlertLimits()
+        if recording.is_recording:  # as its configuration
+            limits.velocity, limits.angular_rate, limits.motion, limits.rotation = 100.0, math.radians(1000), 100.0, math.pi
+        processor = cartvo.PairProcessor(recording.rig, unknown_readout=recording.is_recording, alert_limits=limits)
         rows, valid = replayed_rows(drive / f"replay-{source}"), 0
         for row, pair in zip(rows, recording, strict=True):
             result = processor.process(pair)
@@ -41,14 +44,31 @@ def test_pair_processor_gives_what_replay_gives(drive):
             assert int(row["utime_us"]) == result.exposure_ns // 1000
             assert int(row["inliers"]) == result.camera.inliers
             assert [row["x_m"], row["y_m"], row["z_m"]] == [number(value) for value in result.pose[:3, 3]]
+            assert int(row["quality"]) == result.quality and (result.quality > 0) == result.valid
             if not result.valid:
                 continue
             valid += 1
+            for name in ("velocity_bound", "angular_rate_bound", "motion_bound", "rotation_bound"):
+                assert [row[f"{name}_{axis}"] for axis in "xyz"] == [number(value) for value in getattr(result, name)]
             velocities = [row[f"{name}_m_s"] for name in ("vx", "vy", "vz")] + [row[f"{name}_rad_s"] for name in ("wx", "wy", "wz")]
             assert velocities == [number(value) for value in (*result.velocity, *result.angular_velocity)]
             assert columns_of(row, "pose_covariance") == triangle(result.pose_covariance)
             assert columns_of(row, "twist_covariance") == triangle(result.twist_covariance)
         assert valid > len(rows) // 2
+
+
+def test_pair_processor_holds_bounds_to_the_alert_limits(drive):
+    limits = cartvo.AlertLimits()
+    assert limits.velocity == 0.3 and limits.rotation == pytest.approx(np.radians(1.5))
+    limits.velocity = 1e-9
+    recording = cartvo.Recording(drive / "images")
+    processor = cartvo.PairProcessor(recording.rig, alert_limits=limits)
+    for pair in recording:
+        result = processor.process(pair)
+        assert not result.valid
+    assert result.reasons[-1] == "bound above its alert limit" and result.quality == 0 and result.camera.valid
+    assert "velocity is known to 0.0" in result.bound_exceeded
+    assert np.all(result.velocity_bound > limits.velocity) and np.all(np.isnan(result.velocity))
 
 
 def test_odometry_gives_what_the_pair_processor_gives(drive, rectifier):

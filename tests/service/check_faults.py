@@ -17,7 +17,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from drive_truth import Truth, wrong_velocities  # noqa: E402
-from running_cart import GROUP, PORT, Cameras, Daemon, Listener, ServiceManager, await_, camera_section  # noqa: E402
+from running_cart import GROUP, PORT, WIDE_LIMITS, Cameras, Daemon, Listener, ServiceManager, await_, camera_section  # noqa: E402
 
 CONTENT_S, FRAME_RATE = 8, 10
 CONTENT = ["--world", "turns", "--seconds", str(CONTENT_S), "--size", "320x200", "--frame-rate", str(FRAME_RATE), "--bitrate-kbps", "1500",
@@ -58,7 +58,7 @@ class Drive:
 
     def configuration(self, urls=None):
         return (camera_section(urls or self.cameras.urls, self.cameras.password_file, TIMEOUTS) +
-                f"rig: {self.cameras.folder}/rig.yaml\nodometry:\n  features: 300\n")
+                f"rig: {self.cameras.folder}/rig.yaml\nodometry:\n  features: 300\n  {WIDE_LIMITS}\n")
 
     def start(self, configuration=None, **options):
         daemon = Daemon(self.cartvod, self.folder, configuration or self.configuration(), **options)

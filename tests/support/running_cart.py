@@ -36,6 +36,10 @@ def start(command, **options):
     return process
 
 
+# Of the section odometry: what tests of everything else than accuracy use, whose worlds are small and drives short.
+WIDE_LIMITS = "alert_limits: {velocity: 100, angular_rate: 1000, motion: 100, rotation: 180}"
+
+
 class Listener:
     """Receives the datagrams of an LCM group in a thread; decodes CARTVO_ODOMETRY (daemon/messages/odometry_t.lcm)."""
 
@@ -59,12 +63,12 @@ class Listener:
                 self.datagrams.append(data)
                 continue
             self.last_odometry = data
-            values = struct.unpack_from(">8xqqqqqqbii3d4d36d3d3d36d", body)
+            values = struct.unpack_from(">8xqqqqqqqbibi3d4d36d3d3d36d", body)
             self.messages.append({
                 "received": time.time(), "utime": values[0], "published": values[2], "sequence": values[4],
                 "latency_ms": 1e-3 * (values[2] - values[1]),  # of a pair, from its last packet to the publication
-                "valid": values[6] == VALID, "reasons": values[7], "velocity": values[52:55], "rates": values[55:58],
-                "deviation": max(values[58], values[65], values[72], 0.0) ** 0.5})
+                "valid": values[7] == VALID, "reasons": values[8], "velocity": values[54:57], "rates": values[57:60],
+                "deviation": max(values[60], values[67], values[74], 0.0) ** 0.5})
 
     def problems(self):
         """The texts of the last health message, as bytes; empty before the first."""

@@ -231,8 +231,10 @@ void Run::examinePairs(const daemon::Configuration& configuration, const KeptPai
     odometry.add("processing time", Verdict::not_checked,
                  {"cartvod uses the processors: see its own line", "", "stop cartvod to measure it"});
   } else if (rig) {
-    checkProcessing(pairs.consecutive, {*rig, configuration.odometry, configuration.threads, absent_readout},
-                    observer_.work.progress, interrupted_, odometry);
+    checkProcessing(
+        pairs.consecutive,
+        {*rig, configuration.odometry, configuration.threads, absent_readout, configuration.alert_limits},
+        observer_.work.progress, interrupted_, odometry);
   }
   finish(std::move(odometry));
   if (isInterrupted()) return;

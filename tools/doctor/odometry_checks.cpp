@@ -26,6 +26,7 @@ struct Processed {
   std::vector<double> times;  ///< s
   std::size_t valid = 0;
   odometry_t last{};
+  std::string bound_exceeded;  ///< by the last one, LimitedBound::text(); empty: none
 };
 
 Processed process(const std::vector<capture::FramePair>& pairs, const OdometrySetup& setup,
@@ -34,13 +35,14 @@ Processed process(const std::vector<capture::FramePair>& pairs, const OdometrySe
   const calib::RectificationSettings& rectification = setup.rig.rectification;
   daemon::PairProcessor processor(setup.rig,
                                   {setup.rig, rectification, calib::buildTables(setup.rig, rectification)},
-                                  setup.settings, setup.absent_readout);
+                                  {setup.settings, setup.absent_readout, setup.alert_limits});
   Processed processed;
   for (const capture::FramePair& pair : pairs) {
     if (interrupted) break;
     const daemon::PairResult result = processor.process(pair);
     processed.times.push_back(result.times.total);
     processed.last = daemon::odometryMessage(result);
+    processed.bound_exceeded = result.exceedsAlertLimit() ? result.worst->text() : "";
     if (processed.last.status == odometry_t::VALID) ++processed.valid;
     progress(static_cast<int>(processed.times.size()), static_cast<int>(pairs.size()));
   }
@@ -72,7 +74,8 @@ void addValidity(const Processed& processed, FindingList& findings) {
   const bool is_valid = processed.last.status == odometry_t::VALID;
   findings.add("odometry", okIf(is_valid, Verdict::look_at),
                {fmt::format("{} of {} pairs valid", processed.valid, processed.times.size()) +
-                    (is_valid ? "" : "; the last one not: " + daemon::reasonNames(processed.last.reasons)),
+                    (is_valid ? "" : "; the last one not: " + daemon::reasonNames(processed.last.reasons)) +
+                    (processed.bound_exceeded.empty() ? "" : ": " + processed.bound_exceeded),
                 "valid within a second", "see docs/troubleshooting.md for this reason"});
 }
 

@@ -5,6 +5,7 @@
 
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
+#include "daemon/pipeline/protection_level.hpp"
 #include "daemon/pipeline/shutters.hpp"
 #include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/finding_list.hpp"
@@ -18,6 +19,7 @@ struct OdometrySetup {
   vo::OdometrySettings settings;
   int threads = 2;
   daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
+  daemon::AlertLimits alert_limits{};
 };
 
 /// Processes consecutive pairs as cartvod does, and compares the time that takes with the frame period; also

@@ -45,7 +45,12 @@ std::string header() {
       "wy_rad_s,wz_rad_s";
   addNames(row, "pose_covariance", kPoseAxes);
   addNames(row, "twist_covariance", kTwistAxes);
-  return row + ",features,tracked,inliers\n";
+  row += ",features,tracked,inliers";
+  for (const char* bound : {"velocity", "angular_rate", "motion", "rotation"}) {
+    for (const char* axis : {"x", "y", "z"})
+      row.append(",").append(bound).append("_bound_").append(axis);
+  }
+  return row + ",quality\n";
 }
 
 }  // namespace
@@ -65,6 +70,10 @@ std::string odometryCsv(const Replay& replay) {
     addTriangle(row, message.twist_covariance_body);
     for (const std::int32_t count : {message.features, message.tracked, message.inliers})
       row.append(",").append(std::to_string(count));
+    for (const auto* bound : {&message.velocity_bound, &message.angular_rate_bound, &message.motion_bound,
+                              &message.rotation_bound})
+      add(row, *bound);
+    row.append(",").append(std::to_string(message.quality));
     csv += row + "\n";
   }
   return csv;

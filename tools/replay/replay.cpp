@@ -60,7 +60,7 @@ ReplayedPair toReplayedPair(const daemon::PairResult& result, const Rectificatio
   ReplayedPair pair;
   pair.exposure_ns = result.left.exposure_ns;
   pair.offset_ns = result.offset_ns();
-  pair.valid = estimate.valid;
+  pair.valid = result.isValid();
   pair.reasons = estimate.reasons;
   pair.stereo_fault = estimate.stereo_fault;
   pair.reset_counter = estimate.reset_counter;
@@ -69,6 +69,7 @@ ReplayedPair toReplayedPair(const daemon::PairResult& result, const Rectificatio
   pair.velocity = result.motion.velocity;
   pair.angular_velocity = result.motion.angular_velocity;
   pair.twist_covariance = result.motion.twist_covariance;
+  pair.level = result.level;
   pair.T_first_left = left.transform(path.add(estimate));
   pair.T_epoch_left = left.transform(estimate.T_world_camera);
   pair.pose_covariance = left.transform(estimate.pose_covariance);
@@ -142,13 +143,15 @@ std::optional<daemon::AbsentReadout> absentReadout(const ReplaySettings& setting
 
 Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
-                   std::optional<daemon::AbsentReadout> absent_readout, daemon::PairViewer* viewer) {
+                   std::optional<daemon::AbsentReadout> absent_readout, daemon::PairViewer* viewer,
+                   const daemon::AlertLimits& alert_limits) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
 
-  daemon::PairProcessor processor(rig.rig, buildRectifier(rig.rig), odometry,
-                                  absent_readout.value_or(daemon::absentReadoutOf(source.kind)));
+  daemon::PairProcessor processor(
+      rig.rig, buildRectifier(rig.rig),
+      {odometry, absent_readout.value_or(daemon::absentReadoutOf(source.kind)), alert_limits});
   if (viewer != nullptr) processor.setViewer(*viewer);
   const RectificationInverse left(processor.T_left_rectified());
   daemon::PipelineSettings settings{rig.rig.left.size, source.period_ns};
@@ -185,8 +188,10 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
   if (configuration && settings.rig.empty())
     rig.rig = daemon::withConfiguredReadouts(std::move(rig.rig), *configuration);
   replaceReadouts(settings, rig.rig);
-  Replay replay =
-      replayPairs(source, rig, settings.odometry, observer, absentReadout(settings), settings.viewer);
+  const daemon::AlertLimits recorded_limits =
+      configuration ? configuration->alert_limits : daemon::AlertLimits{};
+  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings),
+                              settings.viewer, settings.alert_limits.value_or(recorded_limits));
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
   if (replay.pairs.empty()) {
     std::string message =
@@ -214,8 +219,8 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
     timing = findVideoTiming(videos, rig.rig, progress);
   }
   capture::StereoSource source = openVideos(videos, timing, {});
-  Replay replay =
-      replayPairs(source, rig, settings.odometry, observer, absentReadout(settings), settings.viewer);
+  Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings),
+                              settings.viewer, settings.alert_limits.value_or(daemon::AlertLimits{}));
   replay.timing = timing;
   if (replay.pairs.empty()) {
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +

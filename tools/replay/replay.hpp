@@ -47,21 +47,24 @@ struct ReplaySettings {
   ReplayClock clock = ReplayClock::configured;
   daemon::PairViewer* viewer = nullptr;    ///< as replayPairs()'s
   std::optional<ReplayReadouts> readouts;  ///< empty: as the rig and the recording's configuration state
+  std::optional<daemon::AlertLimits>
+      alert_limits;  ///< empty: of the recording's configuration, else defaults
 };
 
 /// Result of one pair.
 struct ReplayedPair {
   std::int64_t exposure_ns = 0;  ///< of the left image
   std::int64_t offset_ns = 0;
-  bool valid = false;
+  bool valid = false;  ///< as published: PairResult::isValid()
   vo::OdometryReasons reasons;
   vo::StereoFault stereo_fault = vo::StereoFault::none;
   std::uint32_t reset_counter = 0;
-  double time_step = 0.0;  ///< s, duration of the motion; 0 if not valid
+  double time_step = 0.0;  ///< s, duration of the motion; 0 if none was measured
   vo::FeatureCounts counts;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as in BodyMotion; NaN if not valid
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as in BodyMotion; NaN if not valid
   vo::Matrix6d twist_covariance = vo::Matrix6d::Zero();        ///< as in BodyMotion; NaN if not valid
+  daemon::ProtectionLevel level;                               ///< NaN if no motion was measured
 
   // The velocities and their covariance are as published and include the rig's scale uncertainty; the
   // following covariances do not. Poses and motions are those of the rig's left camera, in its own axes:
@@ -72,7 +75,7 @@ struct ReplayedPair {
   /// Pose relative to the start of the epoch, and its covariance.
   Eigen::Isometry3d T_epoch_left = Eigen::Isometry3d::Identity();
   vo::Matrix6d pose_covariance = vo::Matrix6d::Zero();
-  /// Motion in `time_step` (identity if not valid) and its covariance (zero if not valid).
+  /// Motion in `time_step` and its covariance; identity and zero if none was measured.
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   vo::Matrix6d motion_covariance = vo::Matrix6d::Zero();
   daemon::StageTimes times;
@@ -104,7 +107,7 @@ using ReplayObserver = std::function<void(const daemon::PairResult& result, std:
 Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
                    std::optional<daemon::AbsentReadout> absent_readout = {},
-                   daemon::PairViewer* viewer = nullptr);
+                   daemon::PairViewer* viewer = nullptr, const daemon::AlertLimits& alert_limits = {});
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
 /// be paired.

@@ -89,6 +89,13 @@ const char* reasonAdvice(vo::OdometryReason reason) {
   }
 }
 
+/// In invalid_by_reason, beside the names of the odometry's own reasons.
+constexpr const char* kBoundName = "bound";
+
+bool exceedsAlertLimit(const ReplayedPair& pair) {
+  return (pair.message.reasons & odometry_t::REASON_BOUND) != 0;
+}
+
 /// Gross faults of the rig that were named, each with its first pair and the number of its pairs.
 Json stereoFaultsJson(const Replay& replay) {
   Json faults = Json::object();
@@ -129,6 +136,10 @@ Json pairsJson(const Replay& replay) {
     const ReplayedPair& pair = replay.pairs[index];
     if (pair.valid) continue;
     invalid.push_back(index);
+    if (exceedsAlertLimit(pair)) {
+      by_reason[kBoundName] = by_reason.value(kBoundName, 0) + 1;
+      continue;
+    }
     for (int i = 0; i < vo::kOdometryReasonCount; ++i) {
       const auto reason = static_cast<vo::OdometryReason>(i);
       if (!pair.reasons.has(reason)) continue;
@@ -263,8 +274,10 @@ Json bodyFromCameraJson(const calib::Rig& rig) {
 
 std::string nothingValidText(const Replay& replay) {
   std::array<std::size_t, vo::kOdometryReasonCount> counts{};
+  std::size_t above_limit = 0;
   for (const ReplayedPair& pair : replay.pairs) {
     if (pair.valid) return {};
+    if (exceedsAlertLimit(pair)) ++above_limit;
     for (std::size_t i = 0; i < counts.size(); ++i)
       counts[i] += pair.reasons.has(static_cast<vo::OdometryReason>(i)) ? 1U : 0U;
   }
@@ -275,9 +288,12 @@ std::string nothingValidText(const Replay& replay) {
         (most == static_cast<std::size_t>(vo::OdometryReason::first_pair) || counts[i] > counts[most]))
       most = i;
   }
+  const std::string none = "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; ";
+  if (above_limit > 0 && above_limit >= counts[most])
+    return none + kBoundName + " in " + std::to_string(above_limit) +
+           ": the motion is not known as well as --alert-limits ask; odometry.csv has the bounds";
   const auto reason = static_cast<vo::OdometryReason>(most);
-  return "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; " + reasonName(reason) +
-         " in " + std::to_string(counts[most]) + ": " + reasonAdvice(reason);
+  return none + reasonName(reason) + " in " + std::to_string(counts[most]) + ": " + reasonAdvice(reason);
 }
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
 #include <string_view>
 
@@ -16,7 +17,6 @@
 #include "common/printable_text.hpp"
 #include "common/units.hpp"
 #include "daemon/publish/camera_health_names.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "tools/watch/watch.hpp"
 
 namespace cartvo {
@@ -49,7 +49,8 @@ Line stateLine(const WatchedState& state) {
     return {fmt::format(" no message for {:.0f} s ", state.message_age), Colour::bad};
   const odometry_t& message = state.message;
   if (message.status != odometry_t::VALID)
-    return {" not valid: " + daemon::reasonNames(message.reasons) + " ", Colour::bad};
+    return {" not valid: " + invalidText(message, state.health ? state.health->bound_exceeded : "") + " ",
+            Colour::bad};
   if (!isUsableWhenFresh(message))
     return {" VALID, but with impossible numbers or a reason against it: not to be used ", Colour::bad};
   const bool is_standing = (message.reasons & odometry_t::REASON_ZERO_VELOCITY) != 0;
@@ -71,6 +72,18 @@ std::string ratesText(const odometry_t& message) {
   const double* rates = message.angular_velocity_body;
   return fmt::format("roll {}, pitch {}, yaw {} deg/s", valueText(kDegreesPerRadian * rates[0], 1),
                      valueText(kDegreesPerRadian * rates[1], 1), valueText(kDegreesPerRadian * rates[2], 1));
+}
+
+/// The largest bound of the axes, of each quantity.
+std::string boundsText(const odometry_t& message) {
+  const auto largest = [](const double(&bounds)[3]) {
+    return *std::max_element(std::begin(bounds), std::end(bounds));
+  };
+  if (!std::isfinite(largest(message.velocity_bound))) return "–";
+  return fmt::format("±{:.2f} m/s, {:.1f} deg/s; last second {:.3f} m, {:.2f} deg; quality {}",
+                     largest(message.velocity_bound), kDegreesPerRadian * largest(message.angular_rate_bound),
+                     largest(message.motion_bound), kDegreesPerRadian * largest(message.rotation_bound),
+                     message.quality);
 }
 
 std::string pathText(const WatchedState& state) {
@@ -129,6 +142,7 @@ std::vector<Line> contents(const WatchedState& state, const SpeedHistory& speeds
       {labelled("last minute", speeds.sparkline(spark) + fmt::format(" to {:.2f} m/s", speeds.largest())),
        Colour::none},
       {labelled("rates", ratesText(message)), Colour::none},
+      {labelled("bounds", boundsText(message)), Colour::none},
       {labelled("path", pathText(state)), Colour::none},
       {labelled("pairs", timesText(state)), Colour::none},
       {labelled("offset", offsetText(state)), Colour::none},

@@ -14,6 +14,7 @@
 
 #include "common/command_line/terminal.hpp"
 #include "common/host_clock.hpp"
+#include "common/printable_text.hpp"
 #include "common/units.hpp"
 #include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/lcm_connection.hpp"
@@ -49,12 +50,14 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  void draw(const odometry_t& message, const OdometryStatistics& statistics, const std::string& clocks) {
+  void draw(const odometry_t& message, const OdometryStatistics& statistics, const std::string& clocks,
+            const std::string& bound_exceeded) {
     if (drawn_ && secondsSince(last_) < (redraws_ ? 0.2 : 1.0)) return;
     drawn_ = true;
     last_ = Clock::now();
     const std::size_t columns = redraws_ ? lineColumns(stream_) : kUnlimitedColumns;
-    const std::string line = liveLine(message, statistics.currentFrameRate(wallClockNow()), clocks, columns);
+    const std::string line =
+        liveLine(message, statistics.currentFrameRate(wallClockNow()), clocks, columns, bound_exceeded);
     std::fprintf(stream_, redraws_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stream_);
   }
@@ -260,7 +263,8 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       if (screen.isUsed()) {
         screen.addMessage(message);
       } else {
-        line.draw(message, statistics, receiver.clocks());
+        line.draw(message, statistics, receiver.clocks(),
+                  receiver.health() ? receiver.health()->bound_exceeded : "");
       }
     }
     const std::string advice = statistics.hasTwoPublishers() ? kTwoPublishers : receiver.advice();
@@ -307,14 +311,20 @@ std::string clockText(const health_t& message) {
                      message.clock_deviation_ms, readouts);
 }
 
+std::string invalidText(const odometry_t& message, const std::string& bound_exceeded) {
+  const std::string names = daemon::reasonNames(message.reasons);
+  if ((message.reasons & odometry_t::REASON_BOUND) == 0 || bound_exceeded.empty()) return names;
+  return names + ": " + printableExcerpt(bound_exceeded, 200);
+}
+
 std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks,
-                     std::size_t columns) {
+                     std::size_t columns, const std::string& bound_exceeded) {
   const std::string rate = fmt::format("{:5.1f} fps", frame_rate);
   if (message.status == odometry_t::VALID && !isUsableWhenFresh(message))
     return cutToColumns(rate + "  VALID, but with impossible numbers or a reason against it: not to be used",
                         columns);
   if (message.status != odometry_t::VALID)
-    return cutToColumns(rate + "  INVALID: " + daemon::reasonNames(message.reasons), columns);
+    return cutToColumns(rate + "  INVALID: " + invalidText(message, bound_exceeded), columns);
   const std::optional<double> latency = latencyMs(message);
   const std::array<LiveField, 8> fields{{
       {0, rate},

@@ -24,9 +24,13 @@ OdometryStatistics watchOdometry(const WatchSettings& settings);
 
 /// Formats the live line: "18.0 fps  latency 7.9 ms  speed 3.21 m/s  yaw -2.1 deg/s  features 987  offset
 /// +0.4 ms  valid  by sender reports ±0.7 ms". `clocks`: clockText, or empty. To fit into `columns`,
-/// features, clocks, offset, latency and yaw are left out in this order.
+/// features, clocks, offset, latency and yaw are left out in this order. `bound_exceeded`: of health_t, or
+/// empty; said with a message that is INVALID for it.
 std::string liveLine(const odometry_t& message, double frame_rate, const std::string& clocks = {},
-                     std::size_t columns = 1000);
+                     std::size_t columns = 1000, const std::string& bound_exceeded = {});
+
+/// The reasons of an INVALID message; of a bound above its alert limit with what `bound_exceeded` says.
+std::string invalidText(const odometry_t& message, const std::string& bound_exceeded);
 
 /// What to do if messages of these channels cannot be decoded; empty if all can.
 std::string foreignDefinitionText(bool odometry, bool health);

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include <cartvo/odometry_t.hpp>
@@ -37,14 +38,23 @@ struct OdometryLimits {
   std::int64_t max_time_to_live_us = 10'000'000;  ///< the most that cartvod can be configured to
   std::int64_t max_age_us = 1'000'000;            ///< the controller's own, whatever the time to live
   std::int64_t max_future_us = 10'000;            ///< difference between the clocks of two computers
+
+  /// The controller's own alert limits: the largest bounds of the message, each axis, that it acts on. Only
+  /// those below cartvod's (odometry.alert_limits) have an effect; infinity: cartvod's alone.
+  double velocity_bound = std::numeric_limits<double>::infinity();      ///< m/s
+  double angular_rate_bound = std::numeric_limits<double>::infinity();  ///< rad/s
+  double motion_bound = std::numeric_limits<double>::infinity();    ///< m, translation over the last second
+  double rotation_bound = std::numeric_limits<double>::infinity();  ///< rad, rotation over the last second
 };
 
 /// Why a message cannot be used; the first that applies.
 enum class OdometryVerdict : std::uint8_t {
   usable,
   invalid,       ///< the daemon says so
-  contradicted,  ///< VALID, but with a reason other than standstill, or another status than the two defined
+  contradicted,  ///< VALID, but with a reason other than standstill or a quality of 0, or another status than
+                 ///< the two defined
   senseless,     ///< a number that is not finite, not possible, or negative where it cannot be
+  uncertain,     ///< a bound exceeds the controller's own alert limit
   late,          ///< older than its time to live or than the controller accepts
   future,        ///< exposed after now: a clock is wrong
 };
@@ -52,8 +62,11 @@ enum class OdometryVerdict : std::uint8_t {
 /// The verdict in words, for logs.
 const char* verdictText(OdometryVerdict verdict);
 
-/// Whether pose, velocities and covariances are finite and possible ones.
+/// Whether pose, velocities, covariances and bounds are finite and possible ones.
 bool hasPossibleMotion(const odometry_t& message, const OdometryLimits& limits = {});
+
+/// Whether each bound is at most the controller's own limit.
+bool isCertainEnough(const odometry_t& message, const OdometryLimits& limits);
 
 /// Whether the message says VALID, and nothing in it speaks against that.
 bool isConsistent(const odometry_t& message);

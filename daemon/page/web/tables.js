@@ -50,18 +50,22 @@ export function motionRows(model) {
   if (!sample) return [];
   const get = (name) => model.value(sample, name);
   const degrees = 180 / Math.PI;
-  const row = (name, value, stddev, digits, unit, factor = 1) =>
-    [name, number(value === null ? null : factor * value, digits, unit), number(stddev === null ? null : 2 * factor * stddev, digits + 1, unit)];
+  const scaled = (value, factor) => (value === null ? null : factor * value);
+  const row = (name, value, stddev, digits, unit, factor = 1, bound = null) =>
+    [name, number(scaled(value, factor), digits, unit), number(scaled(stddev, 2 * factor), digits + 1, unit), number(scaled(bound, factor), digits + 1, unit)];
   const stddev = (variance) => (variance === null ? null : Math.sqrt(Math.max(variance, 0)));
   return [
-    row('Speed', get('speed'), get('stddev_speed'), 2, 'm/s'),
-    row('Yaw rate', get('yaw_rate'), get('stddev_yaw_rate'), 1, '°/s', degrees),
-    row('Pitch rate', get('pitch_rate'), get('stddev_pitch_rate'), 1, '°/s', degrees),
-    row('Roll rate', get('roll_rate'), get('stddev_roll_rate'), 1, '°/s', degrees),
+    row('Speed', get('speed'), get('stddev_speed'), 2, 'm/s', 1, get('bound_speed')),
+    row('Yaw rate', get('yaw_rate'), get('stddev_yaw_rate'), 1, '°/s', degrees, get('bound_yaw_rate')),
+    row('Pitch rate', get('pitch_rate'), get('stddev_pitch_rate'), 1, '°/s', degrees, get('bound_pitch_rate')),
+    row('Roll rate', get('roll_rate'), get('stddev_roll_rate'), 1, '°/s', degrees, get('bound_roll_rate')),
+    ['Translation of the last second', '–', '–', number(get('bound_motion'), 3, 'm')],
+    ['Rotation of the last second', '–', '–', number(scaled(get('bound_rotation'), degrees), 2, '°')],
+    ['Quality, 0 to 100', number(get('quality'), 0), '–', '–'],
     row('Position x', get('x'), stddev(get('xx')), 2, 'm'),
     row('Position y', get('y'), stddev(get('yy')), 2, 'm'),
     row('Heading', get('yaw'), null, 1, '°', degrees),
-    ['Landmarks', `${get('features')} detected, ${get('tracked')} tracked, ${get('inliers')} inliers`, '–'],
+    ['Landmarks', `${get('features')} detected, ${get('tracked')} tracked, ${get('inliers')} inliers`, '–', '–'],
   ];
 }
 
@@ -124,6 +128,7 @@ export function sentences(health, reasons) {
   const found = [];
   if (health.problem) found.push(health.problem);
   if (reasons) found.push(`No valid odometry: ${reasons} (${health.odometry_state}).`);
+  if (health.bound_exceeded) found.push(`In the last second: ${health.bound_exceeded}.`);
   for (const side of ['left', 'right']) {
     const camera = health[side];
     if (camera.state && camera.state !== 'streaming' && camera.state !== 'ended')

@@ -85,6 +85,9 @@ TEST(MetricsText, SumsTimesOfPairs) {
   odometry_t message{};
   message.arrival_utime = 1'051'000;
   message.publication_utime = 1'061'000;
+  message.quality = 0;
+  result.level.motion = Eigen::Vector3d(0.125, 0.25, 0.5);
+  result.worst = LimitedBound{BoundedQuantity::motion, 2, 0.5, 0.15};
   PairTotals totals;
   totals.add(result, message);
   totals.add(result, message);
@@ -92,6 +95,10 @@ TEST(MetricsText, SumsTimesOfPairs) {
   EXPECT_NEAR(totals.queue, 2 * (0.010 - 0.003 - 0.005), 1e-12) << "latency without decoding and processing";
   const std::string text = metricsText({}, totals);
   EXPECT_THAT(text, HasSubstr("cartvo_processed_pairs 2\n"));
+  EXPECT_THAT(text, HasSubstr("cartvo_pairs_above_alert_limit 2\n"));
+  EXPECT_THAT(text, HasSubstr("cartvo_motion_bound{axis=\"y\"} 0.25\n"));
+  EXPECT_THAT(text, HasSubstr("cartvo_velocity_bound{axis=\"x\"} NaN\n"));
+  EXPECT_THAT(text, HasSubstr("cartvo_quality 0\n"));
   EXPECT_THAT(text, HasSubstr("cartvo_process_seconds 0.01\n"));
   EXPECT_THAT(text, HasSubstr("cartvo_stage_seconds{stage=\"detect\"} 0.004\n"));
   EXPECT_THAT(text, HasSubstr("cartvo_decode_seconds{camera=\"left\"} 0.008\n"));

@@ -30,12 +30,12 @@ odometry_t invalid() {
 TEST(ValidityLog, LogsChangeAtOnceAndOnce) {
   ValidityLog log;
   const ValidityLog::Clock::time_point start;
-  EXPECT_EQ(log.due(invalid(), start), "odometry is not valid: no pair");
-  EXPECT_EQ(log.due(invalid(), start + milliseconds(50)), "");
-  EXPECT_EQ(log.due(valid(), start + milliseconds(100)), "odometry is valid");
+  EXPECT_EQ(log.due(invalid(), "", start), "odometry is not valid: no pair");
+  EXPECT_EQ(log.due(invalid(), "", start + milliseconds(50)), "");
+  EXPECT_EQ(log.due(valid(), "", start + milliseconds(100)), "odometry is valid");
   EXPECT_TRUE(log.isValid());
   for (int i = 3; i < 1000; ++i)
-    EXPECT_EQ(log.due(valid(), start + i * milliseconds(50)), "");
+    EXPECT_EQ(log.due(valid(), "", start + i * milliseconds(50)), "");
 }
 
 TEST(ValidityLog, NamesTheOffsetAndItsKey) {
@@ -43,9 +43,18 @@ TEST(ValidityLog, NamesTheOffsetAndItsKey) {
   message.reasons = odometry_t::REASON_OFFSET_TOO_LARGE;
   message.offset_us = -123'400;
   EXPECT_EQ(
-      ValidityLog().due(message, {}),
+      ValidityLog().due(message, "", {}),
       "odometry is not valid: offset too large (the right image is exposed 123.4 ms before the left one; "
       "odometry.maximum_offset allows less)");
+}
+
+TEST(ValidityLog, NamesTheBoundAboveItsAlertLimit) {
+  odometry_t message = invalid();
+  message.reasons = odometry_t::REASON_BOUND;
+  EXPECT_EQ(
+      ValidityLog().due(message, "yaw rate is known to 4.10 deg/s, alert limit 3.00 deg/s", {}),
+      "odometry is not valid: bound above its alert limit (yaw rate is known to 4.10 deg/s, alert limit "
+      "3.00 deg/s)");
 }
 
 TEST(ValidityLog, LogsNumberOfFrequentChanges) {
@@ -53,7 +62,8 @@ TEST(ValidityLog, LogsNumberOfFrequentChanges) {
   const ValidityLog::Clock::time_point start;
   std::vector<std::string> lines;
   const auto at = [&](milliseconds time, const odometry_t& message) {
-    if (std::string line = log.due(message, start + time); !line.empty()) lines.push_back(std::move(line));
+    if (std::string line = log.due(message, "", start + time); !line.empty())
+      lines.push_back(std::move(line));
   };
   for (int i = 0; i < 600; ++i)  // a minute, ten messages a second
     at(i * milliseconds(100), i % 2 == 0 ? invalid() : valid());

@@ -43,6 +43,10 @@ TEST(PageSample, TurnsTheCovarianceIntoTheWorld) {
   message.twist_covariance_body[35] = 0.25;
   message.arrival_utime = 1'000'000;
   message.publication_utime = 1'012'500;
+  message.quality = 60;
+  message.velocity_bound[0] = 0.12;
+  message.angular_rate_bound[2] = 0.03;
+  message.motion_bound[1] = 0.05;
   const PageSample sample = pageSample(message, 0.008);
   EXPECT_NEAR(field(sample, "yaw"), std::acos(0.0), 1e-12);
   EXPECT_NEAR(field(sample, "xx"), 1.0, 1e-12);
@@ -50,6 +54,10 @@ TEST(PageSample, TurnsTheCovarianceIntoTheWorld) {
   EXPECT_EQ(field(sample, "stddev_yaw_rate"), 0.5);
   EXPECT_EQ(field(sample, "latency_ms"), 12.5);
   EXPECT_EQ(field(sample, "process_ms"), 8.0);
+  EXPECT_EQ(field(sample, "quality"), 60.0);
+  EXPECT_EQ(field(sample, "bound_speed"), 0.12);
+  EXPECT_EQ(field(sample, "bound_yaw_rate"), 0.03);
+  EXPECT_EQ(field(sample, "bound_motion"), 0.05) << "the largest of the three axes";
 }
 
 TEST(PageSample, NamesEachNumberOnceAndWritesUnknownOnesAsNull) {

@@ -37,10 +37,11 @@ struct Replay {
 };
 
 Replay replay(std::vector<capture::Frame> left_frames, std::vector<capture::Frame> right_frames,
-              std::int64_t period_ns, double scale_stddev = 0.0) {
+              std::int64_t period_ns, double scale_stddev = 0.0,
+              const AlertLimits& alert_limits = test::kNoAlertLimits) {
   calib::Rig rig = test::smallRig();
   rig.scale_stddev = scale_stddev;
-  PairProcessor processor = test::smallProcessor(rig);
+  PairProcessor processor = test::smallProcessor(rig, alert_limits);
   test::ListedCamera left(std::move(left_frames));
   test::ListedCamera right(std::move(right_frames));
   Replay replay;
@@ -158,6 +159,28 @@ TEST(PipelineReplay, CovarianceIncludesRigScaleUncertainty) {
   const double distance = std::abs(exact.T_world_body.translation().y());
   EXPECT_NEAR(added_stddev(uncertain.pose_covariance(1, 1), exact.pose_covariance(1, 1)),
               kScaleStddev * distance, 0.05 * kScaleStddev * distance);
+}
+
+TEST(PipelineReplay, IsValidWhileEachBoundIsBelowItsAlertLimit) {
+  const Replay wide = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns);
+  ASSERT_TRUE(wide.results.back().isValid());
+  const ProtectionLevel& level = wide.results.back().level;
+  EXPECT_GT(level.velocity.minCoeff(), 0.0);
+  EXPECT_GT(level.motion.minCoeff(), 0.0);
+
+  AlertLimits limits = test::kNoAlertLimits;
+  limits.motion = 0.99 * level.motion.maxCoeff();
+  const Replay narrow = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, 0.0, limits);
+  const PairResult& last = narrow.results.back();
+  EXPECT_FALSE(last.isValid());
+  EXPECT_TRUE(last.exceedsAlertLimit());
+  EXPECT_TRUE(last.worst->quantity == BoundedQuantity::motion);
+  EXPECT_EQ(last.level.motion, level.motion) << "the bounds stay, so that one sees which is too large";
+  EXPECT_TRUE(last.motion.velocity.array().isNaN().all());
+  EXPECT_TRUE(last.motion.twist_covariance.array().isNaN().all());
+  EXPECT_TRUE(last.estimate.valid) << "the estimator goes on";
+  EXPECT_EQ(last.estimate.reset_counter, wide.results.back().estimate.reset_counter);
+  EXPECT_EQ(last.motion.T_world_body.matrix(), wide.results.back().motion.T_world_body.matrix());
 }
 
 TEST(PipelineReplay, IsBitwiseReproducible) {

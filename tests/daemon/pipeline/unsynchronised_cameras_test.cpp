@@ -64,7 +64,7 @@ std::vector<PairResult> replayDrive(double offset, double drift) {
   vo::OdometrySettings odometry;
   odometry.features = 400;
   PairProcessor processor(rig, calib::Rectifier(rig, rectification, calib::buildTables(rig, rectification)),
-                          odometry);
+                          {.odometry = odometry});
   test::ListedCamera left_camera(std::move(left)), right_camera(std::move(right));
   Pipeline pipeline(left_camera, right_camera, processor, {rig.left.size, nanoseconds(kPeriod)});
   std::vector<PairResult> results;

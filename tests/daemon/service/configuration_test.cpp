@@ -105,6 +105,33 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
       AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
 }
 
+TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {
+  const AlertLimits defaults = read(kMinimal).alert_limits;
+  EXPECT_NEAR(defaults.angular_rate, 0.0523599, 1e-6);
+  const Configuration configuration = read(
+      std::string(kMinimal) + "odometry: {alert_limits: {velocity: 0.5, angular_rate: 90, rotation: 3}}\n");
+  EXPECT_EQ(configuration.alert_limits.velocity, 0.5);
+  EXPECT_NEAR(configuration.alert_limits.angular_rate, 1.5707963, 1e-6);
+  EXPECT_EQ(configuration.alert_limits.motion, defaults.motion);
+  EXPECT_NEAR(configuration.alert_limits.rotation, 0.0523599, 1e-6);
+  EXPECT_THAT(effectiveConfiguration(configuration),
+              AllOf(HasSubstr("velocity: 0.5"), HasSubstr("angular_rate: 90"), HasSubstr("motion: 0.15"),
+                    HasSubstr("rotation: 3")));
+}
+
+TEST_F(ConfigurationFile, RefusesAlertLimitsThatAreNone) {
+  const auto error = [this](const std::string& limits) {
+    return errorOf(std::string(kMinimal) + "odometry: {alert_limits: {" + limits + "}}\n");
+  };
+  EXPECT_THAT(error("speed: 0.3"), AllOf(HasSubstr("cartvod.yaml:7: odometry.alert_limits.speed"),
+                                         HasSubstr("velocity, angular_rate, motion, rotation")));
+  for (const char* value : {"0", "-0.3", "101", ".inf", ".nan", "wide"})
+    EXPECT_THAT(error(std::string("velocity: ") + value), HasSubstr("a number from 0.01 to 100")) << value;
+  EXPECT_THAT(error("angular_rate: 0.05"), HasSubstr("a number from 0.1 to 1000"));
+  EXPECT_THAT(error("motion: 0"), HasSubstr("odometry.alert_limits.motion"));
+  EXPECT_THAT(error("rotation: 181"), HasSubstr("a number from 0.1 to 180"));
+}
+
 TEST_F(ConfigurationFile, ReadsThePoseChannelOnlyWithTheAxesOfItsVelocity) {
   EXPECT_EQ(read(kMinimal).pose_channel, "");
   const Configuration configuration =

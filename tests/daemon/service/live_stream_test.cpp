@@ -112,7 +112,8 @@ class LiveStream : public testing::Test {
     std::ofstream(folder_ / "cartvod.yaml")
         << "cameras:\n  left: {url: '" << left_->url() << "', username: admin, password_file: password}\n"
         << "  right: {url: '" << right_->url() << "', username: admin, password_file: password}\n"
-        << "rig: rig.yaml\ntables: tables.bin\nodometry: {features: 300}\n";
+        << "rig: rig.yaml\ntables: tables.bin\nodometry:\n  features: 300\n"
+           "  alert_limits: {velocity: 100, angular_rate: 1000, motion: 100, rotation: 180}\n";
   }
 
   void startContent() {
@@ -265,20 +266,17 @@ std::string foreignProblem(ForeignOdometry& foreign, const std::function<void()>
 
 TEST(ForeignOdometry, FindsOtherPublishersAndNotItself) {
   lcm::LCM lcm(kUrl);
-  ForeignOdometry foreign(kUrl);
+  constexpr std::int64_t kOwn = 53;
+  ForeignOdometry foreign(kUrl, kOwn);
   odometry_t message{};
-  const auto publish_own = [&] {
-    ++message.sequence;
-    message.publication_utime += 1000;
-    lcm.publish(kOdometryChannel, &message);
-    foreign.addOwn(message);
-  };
+  message.source_id = kOwn;
+  const auto publish_own = [&] { lcm.publish(kOdometryChannel, &message); };
   // Only after the first foreign message is found it is known that messages are received.
   EXPECT_THAT(foreignProblem(foreign,
                              [&] {
                                publish_own();
                                odometry_t other = message;
-                               other.publication_utime += 1;
+                               other.source_id += 1;
                                lcm.publish(kOdometryChannel, &other);
                              }),
               HasSubstr("another program publishes CARTVO_ODOMETRY: controllers receive two motions"));

@@ -16,6 +16,7 @@
 #include "capture/camera_source.hpp"
 #include "common/host_clock.hpp"
 #include "daemon/pipeline/pair_processor.hpp"
+#include "support/daemon/alert_limits.hpp"
 
 // Synthetic cameras and frames for tests of the pipeline.
 
@@ -36,11 +37,14 @@ inline calib::Rig smallRig() {
   return rig;
 }
 
-inline daemon::PairProcessor smallProcessor(const calib::Rig& rig) {
+inline daemon::PairProcessor smallProcessor(const calib::Rig& rig,
+                                            const daemon::AlertLimits& alert_limits = kNoAlertLimits) {
   const calib::RectificationSettings settings;
   vo::OdometrySettings odometry;
   odometry.features = 300;
-  return {rig, calib::Rectifier(rig, settings, calib::buildTables(rig, settings)), odometry};
+  return {rig,
+          calib::Rectifier(rig, settings, calib::buildTables(rig, settings)),
+          {.odometry = odometry, .alert_limits = alert_limits}};
 }
 
 /// Image of two walls of random texture: in the upper half 4 m ahead (disparity 12 px), in the lower half 2 m

@@ -69,6 +69,7 @@ TEST(DaemonChecks, LookAtProblemsOfTheDaemon) {
   health.version = "0.0.1";
   health.problem = "the computer is too slow";
   health.self_check = "the right camera is turned";
+  health.bound_exceeded = "yaw rate is known to 4.10 deg/s, alert limit 3.00 deg/s";
   health.features_least = 300;
   health.clock_deviation_ms = 20.0F;
   health.right_readout_ms = 27.0F;
@@ -76,6 +77,7 @@ TEST(DaemonChecks, LookAtProblemsOfTheDaemon) {
   EXPECT_THAT(findingOf(findings, "release"), Saw(Verdict::look_at, "0.0.1"));
   EXPECT_THAT(findingOf(findings, "problem"), Saw(Verdict::look_at, "too slow"));
   EXPECT_THAT(findingOf(findings, "self-check"), Saw(Verdict::look_at, "turned"));
+  EXPECT_THAT(findingOf(findings, "alert limits"), Saw(Verdict::look_at, "4.10 deg/s"));
   EXPECT_THAT(findingOf(findings, "processing"), Saw(Verdict::look_at, "300 of 1000 features"));
   EXPECT_THAT(findingOf(findings, "time offset"), Saw(Verdict::broken, "deviation 20.0 ms"));
   EXPECT_THAT(findingOf(findings, "readouts while driving"), Saw(Verdict::look_at, "27.0"));

@@ -18,6 +18,7 @@
 #include "calib/format/rig_formats.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "common/atomic_file.hpp"
+#include "support/daemon/alert_limits.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -84,6 +85,7 @@ void linkFirstPairs(const std::filesystem::path& sequence, const std::filesystem
 Replay replayed(const std::filesystem::path& source) {
   ReplaySettings settings;
   settings.source = source;
+  settings.alert_limits = test::kNoAlertLimits;
   return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
 }
 
@@ -110,7 +112,7 @@ TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
   const std::vector<std::string> lines = linesOf(odometryCsv(replay));
   ASSERT_EQ(lines.size(), kPairs + 1U);
   const std::vector<std::string> names = fieldsOf(lines.front());
-  EXPECT_EQ(names.size(), 19U + 21U + 21U + 3U);
+  EXPECT_EQ(names.size(), 19U + 21U + 21U + 3U + 12U + 1U);
   for (std::size_t row = 1; row < lines.size(); ++row) {
     const std::vector<std::string> fields = fieldsOf(lines[row]);
     ASSERT_EQ(fields.size(), names.size());
@@ -121,6 +123,8 @@ TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
     EXPECT_EQ(at("valid"), replay.pairs[row - 1].valid ? "1" : "0");
     if (!replay.pairs[row - 1].valid) {
       EXPECT_EQ(at("vx_m_s"), "");
+      EXPECT_EQ(at("motion_bound_z"), "");
+      EXPECT_EQ(at("quality"), "0");
       continue;
     }
     const auto expect_written = [&](const char* name, double value) {  // with nine significant digits
@@ -129,6 +133,9 @@ TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
     expect_written("vx_m_s", message.velocity_body[0]);
     expect_written("twist_covariance_vx_vx", message.twist_covariance_body[0]);
     expect_written("pose_covariance_y_rz", message.pose_covariance_body[11]);
+    expect_written("velocity_bound_x", message.velocity_bound[0]);
+    expect_written("rotation_bound_z", message.rotation_bound[2]);
+    expect_written("quality", message.quality);
   }
 }
 
@@ -212,6 +219,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
   ReplaySettings settings;
   settings.source = folder_.path();
   settings.odometry.features = 500;
+  settings.alert_limits = test::kNoAlertLimits;
   const Replay replay = replaySource(settings, [](const daemon::PairResult&, std::size_t expected) {
     EXPECT_EQ(expected, static_cast<std::size_t>(kPairs));
   });
@@ -337,31 +345,6 @@ TEST(ReplayOfEuroc, OfRawImagesAtStandstillDoesNotMove) {
   const Eigen::Isometry3d& end = replay.pairs.back().T_first_left;
   EXPECT_LT(end.translation().norm(), 0.03);
   EXPECT_LT(Eigen::AngleAxisd(end.linear()).angle(), 0.5 * std::numbers::pi / 180.0);
-}
-
-TEST(ReplaySummary, NamesGrossFaultsOfTheRig) {
-  Replay replay;
-  replay.pairs.resize(4);
-  for (std::size_t i = 1; i < replay.pairs.size(); ++i) {
-    replay.pairs[i].reasons = vo::OdometryReason::wrong_stereo_geometry;
-    replay.pairs[i].stereo_fault = i == 1 ? vo::StereoFault::suspected : vo::StereoFault::swapped;
-  }
-  const nlohmann::ordered_json summary = replaySummary({}, replay);
-  const nlohmann::ordered_json expected{{"swapped", {{"first_pair", 2}, {"pairs", 2}}}};
-  EXPECT_EQ(summary["stereo_faults"], expected);
-  EXPECT_EQ(summary["invalid_by_reason"]["wrong_stereo_geometry"], 3);
-}
-
-TEST(ReplaySummary, NamesTheReasonIfNothingIsValid) {
-  Replay replay;
-  replay.pairs.resize(3);
-  replay.pairs[0].reasons.add(vo::OdometryReason::first_pair);
-  EXPECT_THAT(nothingValidText(replay), HasSubstr("none of the 3 pairs is valid; first_pair in 1"));
-  replay.pairs[1].reasons.add(vo::OdometryReason::time_step);
-  EXPECT_THAT(nothingValidText(replay),
-              HasSubstr("time_step in 1: the instants of the pairs are too far apart"));
-  replay.pairs[2].valid = true;
-  EXPECT_EQ(nothingValidText(replay), "");
 }
 
 TEST(Replay, RejectsFolderThatIsNoSource) {

@@ -87,6 +87,7 @@ daemon::PairResult resultOf(int index, bool is_valid) {
   if (!is_valid) result.estimate.reasons = vo::OdometryReason::too_few_matches;
   result.motion.T_world_body.translation() = Eigen::Vector3d(0.5 * index, 0.0, 0.0);
   result.motion.velocity = Eigen::Vector3d(2.0, 0.0, 0.0);
+  result.worst.emplace();
   return result;
 }
 

@@ -28,6 +28,9 @@ WatchedState exampleState() {
   WatchedState state;
   state.url = "udpm://239.255.76.67:7667?ttl=0";
   state.message.status = odometry_t::VALID;
+  state.message.quality = 60;
+  state.message.velocity_bound[0] = 0.12;
+  state.message.motion_bound[1] = 0.03;
   state.message.sequence = 5;
   state.message.orientation_world_body[0] = 1.0;
   state.message.velocity_body[0] = 3.214;
@@ -49,11 +52,12 @@ std::string textOf(const WatchedState& state, std::size_t columns, std::size_t r
 }
 
 TEST(WatchScreen, ShowsMotionTimesAndBothCameras) {
-  EXPECT_THAT(
-      textOf(exampleState(), 100, 40, false),
-      AllOf(HasSubstr("+3.21 m/s forward"), HasSubstr("deg/s"), HasSubstr("+0.40 ms"),
-            HasSubstr("18.0 pairs/s"), HasSubstr("state       tracking"), HasSubstr("left        streaming"),
-            HasSubstr("right       streaming"), HasSubstr("no problem"), Not(HasSubstr("\x1b"))));
+  EXPECT_THAT(textOf(exampleState(), 100, 40, false),
+              AllOf(HasSubstr("+3.21 m/s forward"), HasSubstr("deg/s"), HasSubstr("+0.40 ms"),
+                    HasSubstr("18.0 pairs/s"), HasSubstr("state       tracking"),
+                    HasSubstr("left        streaming"), HasSubstr("right       streaming"),
+                    HasSubstr("±0.12 m/s, 0.0 deg/s; last second 0.030 m, 0.00 deg; quality 60"),
+                    HasSubstr("no problem"), Not(HasSubstr("\x1b"))));
 }
 
 TEST(WatchScreen, SaysWhyAMessageIsNotValidAndThatNoneComes) {
@@ -63,6 +67,10 @@ TEST(WatchScreen, SaysWhyAMessageIsNotValidAndThatNoneComes) {
   state.message.velocity_body[0] = std::nan("");
   EXPECT_THAT(textOf(state, 100, 40, false), AllOf(HasSubstr("not valid: too few features"),
                                                    HasSubstr("– m/s forward"), Not(HasSubstr("nan"))));
+  state.message.reasons = odometry_t::REASON_BOUND;
+  state.health->bound_exceeded = "yaw rate is known to 4.10 deg/s, alert limit 3.00 deg/s";
+  EXPECT_THAT(textOf(state, 100, 40, false),
+              HasSubstr("not valid: bound above its alert limit: yaw rate is known to 4.10 deg/s"));
   state.message_age = 3.2;
   EXPECT_THAT(textOf(state, 100, 40, false), HasSubstr("no message for 3 s"));
 }

@@ -21,6 +21,7 @@ odometry_t message(std::int64_t sequence, double x) {
   message.arrival_utime = message.utime + 20'000;
   message.publication_utime = message.arrival_utime + 8'000;
   message.status = odometry_t::VALID;
+  message.quality = 50;
   message.offset_us = 2'000;
   message.position_world_body[0] = x;
   message.orientation_world_body[0] = 1.0;
@@ -101,6 +102,11 @@ TEST(WatchStatistics, CountsMessagesWithoutPairSeparately) {
   EXPECT_FALSE(statistics.hasPairs());
   EXPECT_EQ(statistics.summarise().no_pair, 1);
   EXPECT_NE(liveLine(blind, 0.0).find("INVALID: no pair"), std::string::npos);
+  const std::string bound = "forward velocity is known to 0.42 m/s, alert limit 0.30 m/s";
+  EXPECT_EQ(liveLine(blind, 0.0, "", 1000, bound).find(bound), std::string::npos) << "of another message";
+  blind.reasons = odometry_t::REASON_BOUND;
+  EXPECT_NE(liveLine(blind, 18.0, "", 1000, bound).find("INVALID: bound above its alert limit: " + bound),
+            std::string::npos);
   EXPECT_NE(summaryText(statistics.summarise()).find("no pair of frames came"), std::string::npos);
 }
 

@@ -106,7 +106,7 @@ SpeedResult timeDrive(const DriveInMemory& drive, const calib::Rectifier& rectif
   samples.add(before);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     cv::setNumThreads(threads);
-    daemon::PairProcessor processor(drive.rig, rectifier, odometry);
+    daemon::PairProcessor processor(drive.rig, rectifier, {.odometry = odometry});
     for (int i = 0; i < count; ++i) {
       const daemon::PairResult result = processor.process(drive.pairs[i]);
       if (i >= kWarmUpPairs) samples.add(result);

@@ -43,8 +43,8 @@ std::optional<GroundPlane> groundOf(const capture::FramePair& pair, const calib:
 class MountMeasurementCollector {
  public:
   MountMeasurementCollector(const calib::Rig& rig, daemon::AbsentReadout absent_readout)
-      : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)}, {},
-                   absent_readout),
+      : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)},
+                   {.absent_readout = absent_readout}),
         R_left_rectified_(processor_.T_left_rectified().linear()) {}
 
   void add(const capture::FramePair& pair) {

@@ -122,6 +122,7 @@ void checkHealth(const health_t& health, const daemon::Configuration& configurat
        CARTVO_VERSION, "restart cartvod after an update"});
   addText("problem", health.problem, findings);
   addText("self-check", health.self_check, findings);
+  addText("alert limits", health.bound_exceeded, findings);
   checkOdometryState(health, findings);
   checkSpeed(health, findings);
   checkOffset(health, configuration, findings);

@@ -135,17 +135,18 @@ void drawState(Canvas& canvas, const daemon::PairResult& result, double seconds,
   constexpr double kLeft = 14.0;
   double baseline = top + kBarMargin + kLetterSize;
   const bool is_standing = estimate.reasons.has(vo::OdometryReason::zero_velocity);
+  const bool is_valid = result.isValid();
   const std::string state =
-      estimate.valid ? (is_standing ? "valid: standstill" : "valid")
-                     : "not valid: " + daemon::reasonNames(daemon::odometryMessage(result).reasons);
-  canvas.circle({kLeft + 6.0, baseline - 6.0}, 7.0, estimate.valid ? kGood : kBad, 0.0);
+      is_valid ? (is_standing ? "valid: standstill" : "valid")
+               : "not valid: " + daemon::reasonNames(daemon::odometryMessage(result).reasons);
+  canvas.circle({kLeft + 6.0, baseline - 6.0}, 7.0, is_valid ? kGood : kBad, 0.0);
   canvas.text({kLeft + 22.0, baseline}, TextAnchor::start,
               fmt::format("{:.2f} s    pair {}    ", seconds, result.sequence) + state,
-              estimate.valid ? kWhite : kBad);
+              is_valid ? kWhite : kBad);
   baseline += kLineHeight;
   canvas.text({kLeft, baseline}, TextAnchor::start,
-              estimate.valid ? motionText(result.motion, distance)
-                             : fmt::format("no velocity    driven {:.1f} m", distance),
+              is_valid ? motionText(result.motion, distance)
+                       : fmt::format("no velocity    driven {:.1f} m", distance),
               kWhite);
   baseline += kLineHeight;
   canvas.text({kLeft, baseline}, TextAnchor::start,

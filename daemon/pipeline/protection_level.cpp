@@ -1,0 +1,132 @@
+// Bounds of the errors of a published motion.
+#include "daemon/pipeline/protection_level.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "vo_core/geometry/pose_drift.hpp"
+
+namespace cartvo::daemon {
+namespace {
+
+constexpr double kSecond = 1.0;
+constexpr double kInstantTolerance = 1e-3;  // s; 18 periods of 18 Hz are a second in spite of rounding
+
+/// Words for the text about a bound: the operator sees no axes.
+struct QuantityWords {
+  std::array<const char*, 3> axes;
+  const char* is_known;
+  const char* unit;
+  double unit_factor;
+};
+
+const QuantityWords& wordsOf(BoundedQuantity quantity) {
+  static constexpr std::array<QuantityWords, 4> kWords{{
+      {{"forward velocity", "sideways velocity", "vertical velocity"}, "is known to", "m/s", 1.0},
+      {{"roll rate", "pitch rate", "yaw rate"}, "is known to", "deg/s", kDegreesPerRadian},
+      {{"forward motion", "sideways motion", "vertical motion"}, "of the last second is known to", "m", 1.0},
+      {{"roll", "pitch", "yaw"}, "of the last second is known to", "deg", kDegreesPerRadian},
+  }};
+  return kWords[static_cast<std::size_t>(quantity)];
+}
+
+/// Bounds by the diagonal of a covariance, from `row` on.
+Eigen::Vector3d boundsOf(const vo::Matrix6d& covariance, int row) {
+  return kBoundFactor * covariance.diagonal().segment<3>(row).cwiseSqrt();
+}
+
+}  // namespace
+
+int LimitedBound::quality() const {
+  if (isExceeded()) return 0;
+  return std::max(1, static_cast<int>(std::lround(100.0 * (1.0 - share()))));
+}
+
+std::string LimitedBound::text() const {
+  const QuantityWords& words = wordsOf(quantity);
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "%s %s %.2f %s, alert limit %.2f %s",
+                words.axes[static_cast<std::size_t>(axis)], words.is_known, words.unit_factor * bound,
+                words.unit, words.unit_factor * limit, words.unit);
+  return text.data();
+}
+
+LimitedBound worstBound(const ProtectionLevel& level, const AlertLimits& limits) {
+  const std::array<std::pair<const Eigen::Vector3d*, double>, 4> bounds{{
+      {&level.velocity, limits.velocity},
+      {&level.angular_rate, limits.angular_rate},
+      {&level.motion, limits.motion},
+      {&level.rotation, limits.rotation},
+  }};
+  LimitedBound worst{.limit = limits.velocity};
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const auto& [values, limit] = bounds[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double bound = (*values)[axis];
+      const LimitedBound limited{static_cast<BoundedQuantity>(i), axis, bound, limit};
+      if (std::isnan(bound)) return limited;
+      if (limited.share() > worst.share()) worst = limited;
+    }
+  }
+  return worst;
+}
+
+ProtectionLevels::ProtectionLevels(const Eigen::Isometry3d& T_body_rectified, double scale_stddev,
+                                   const vo::UncertaintySettings& uncertainty)
+    : T_body_rectified_(T_body_rectified), scale_stddev_(scale_stddev), uncertainty_(uncertainty) {
+  // The core divides the noise of a pose relative to its landmarks into a part that is independent in each
+  // pair and the drift. Here the covariances are those of motions, which are independent as a whole beside
+  // the drift.
+  uncertainty_.independent_noise_ratio = 1.0;
+}
+
+ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, const BodyMotion& motion) {
+  if (estimate.reset_counter != epoch_) motions_.clear();
+  epoch_ = estimate.reset_counter;
+  ProtectionLevel level;
+  if (!estimate.valid || !(estimate.time_step > 0.0)) return level;
+  add(estimate);
+  const vo::Matrix6d Ad = vo::adjoint(T_body_rectified_);
+  const vo::Matrix6d covariance = Ad * covarianceOfLastSecond() * Ad.transpose();
+  level.velocity = boundsOf(motion.twist_covariance, 0);
+  level.angular_rate = boundsOf(motion.twist_covariance, 3);
+  level.motion = boundsOf(covariance, 0);
+  level.rotation = boundsOf(covariance, 3);
+  return level;
+}
+
+void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
+  const vo::Vector6d& by_offset = estimate.motion_offset_error;
+  motions_.push_back({estimate.time_step, estimate.T_previous_current,
+                      estimate.motion_covariance - by_offset * by_offset.transpose(), by_offset});
+  double duration = 0.0;
+  for (const Motion& motion : motions_)
+    duration += motion.time_step;
+  while (motions_.size() > 1 && duration > kSecond + kInstantTolerance) {
+    duration -= motions_.front().time_step;
+    motions_.pop_front();
+  }
+}
+
+/// In the axes of the rectified camera. An error of the time offset is common to all motions, and counts as
+/// an independent one in each too, so that it does not cancel when the cart turns left and right, as in the
+/// core. An error of the rig's scale makes all distances too long by the same fraction.
+vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
+  vo::PoseUncertainty uncertainty;
+  vo::Vector6d by_offset = vo::Vector6d::Zero();
+  Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
+  for (const Motion& motion : motions_) {
+    uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current,
+                                  {.pairs = 1, .noise = motion.noise, .patch_motion = 1.0}, uncertainty_);
+    uncertainty.pose += motion.offset_error * motion.offset_error.transpose();
+    by_offset = vo::adjoint(motion.T_previous_current.inverse()) * by_offset + motion.offset_error;
+    T_start_current = T_start_current * motion.T_previous_current;
+  }
+  const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);
+  return uncertainty.pose + by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
+}
+
+}  // namespace cartvo::daemon

@@ -116,6 +116,8 @@ void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
 /// core. An error of the rig's scale makes all distances too long by the same fraction.
 vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
   vo::PoseUncertainty uncertainty;
+  // The first motions of a track are uncertain because they are the first, not because they drift.
+  uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
   vo::Vector6d by_offset = vo::Vector6d::Zero();
   Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
   for (const Motion& motion : motions_) {

@@ -32,8 +32,8 @@ struct ProtectionLevel {
 
 /// Largest bounds, for each axis, with which a motion is valid. config/cartvod.yaml explains the defaults.
 struct AlertLimits {
-  double velocity = 0.3;                          ///< m/s
-  double angular_rate = 3.0 * kRadiansPerDegree;  ///< rad/s
+  double velocity = 0.5;                          ///< m/s
+  double angular_rate = 8.0 * kRadiansPerDegree;  ///< rad/s
   double motion = 0.15;                           ///< m, translation over the last second
   double rotation = 1.5 * kRadiansPerDegree;      ///< rad, rotation over the last second
 };

@@ -18,32 +18,39 @@ vo::Matrix6d withoutNoise(const vo::Matrix6d& moment, const vo::Vector6d& noise)
   return part.asDiagonal() * moment * part.asDiagonal();
 }
 
-void updateMoment(vo::Matrix6d& moment, const vo::Vector6d& value) {
-  moment = kForgettingFactor * moment + (1.0 - kForgettingFactor) * value * value.transpose();
+/// The prior counts as the first of the values.
+void updateMoment(Moment& moment, const vo::Vector6d& value) {
+  ++moment.values;
+  const double weight = std::max(1.0 - kForgettingFactor, 1.0 / moment.values);
+  moment.mean += weight * (value * value.transpose() - moment.mean);
 }
 
 }  // namespace
 
 VelocityAtExposure::VelocityAtExposure()
-    : acceleration_moment_(vo::Matrix6d::Identity() * kInitialAcceleration * kInitialAcceleration),
-      jerk_moment_(vo::Matrix6d::Identity() * kInitialJerk * kInitialJerk) {}
+    : acceleration_moment_{vo::Matrix6d::Identity() * kInitialAcceleration * kInitialAcceleration},
+      jerk_moment_{vo::Matrix6d::Identity() * kInitialJerk * kInitialJerk} {}
 
 Twist VelocityAtExposure::extrapolate(const Twist& mean, double time_step) {
   // Variance of a pose's error over h^2; the mean contains it twice.
   const vo::Vector6d noise = 0.5 * mean.covariance.diagonal();
   std::optional<vo::Vector6d> slope;
+  vo::Vector6d jerk = vo::Vector6d::Zero();
   double between = time_step;  // from the middle of the last time step to that of this one
   if (last_) {
     between = 0.5 * (time_step + last_->time_step);
     slope = (mean.value - last_->value) / between;
     updateMoment(acceleration_moment_, *slope);
-    if (last_slope_) updateMoment(jerk_moment_, (*slope - *last_slope_) / between);
+    if (last_slope_) {
+      jerk = (*slope - *last_slope_) / between;
+      updateMoment(jerk_moment_, jerk);
+    }
   }
   const double ahead = 0.5 * time_step;  // from the middle of the time step to the exposure
   const vo::Vector6d slope_noise = 6.0 * noise / (between * between);
   const vo::Vector6d jerk_noise = 20.0 * noise / std::pow(between, 4);
   const Eigen::Array<double, 6, 1> ratio =
-      acceleration_moment_.diagonal().array() / slope_noise.array().max(1e-12);
+      acceleration_moment_.mean.diagonal().array() / slope_noise.array().max(1e-12);
   vo::Vector6d part = (1.0 - 2.0 / ratio.max(2.0)).matrix();
   if (!slope) part.setZero();
 
@@ -57,9 +64,12 @@ Twist VelocityAtExposure::extrapolate(const Twist& mean, double time_step) {
   // With a constant jerk j, linear extrapolation over the time step h has the error j h^2 / 3.
   const vo::Vector6d jerk_gain = (time_step * time_step / 3.0) * part;
   now.covariance = growth.asDiagonal() * mean.covariance * growth.asDiagonal();
-  now.covariance += not_extrapolated.asDiagonal() * withoutNoise(acceleration_moment_, slope_noise) *
+  now.covariance += not_extrapolated.asDiagonal() * withoutNoise(acceleration_moment_.mean, slope_noise) *
                     not_extrapolated.asDiagonal();
-  now.covariance += jerk_gain.asDiagonal() * withoutNoise(jerk_moment_, jerk_noise) * jerk_gain.asDiagonal();
+  // A kerb or a brake is no mean: the newest jerk counts where it is larger.
+  vo::Matrix6d jerk_moment = jerk_moment_.mean;
+  jerk_moment.diagonal() = jerk_moment.diagonal().cwiseMax(jerk.cwiseAbs2());
+  now.covariance += jerk_gain.asDiagonal() * withoutNoise(jerk_moment, jerk_noise) * jerk_gain.asDiagonal();
 
   last_ = Mean{mean.value, time_step};
   last_slope_ = slope;

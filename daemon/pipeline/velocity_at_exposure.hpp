@@ -14,6 +14,12 @@ struct Twist {
   vo::Matrix6d covariance = vo::Matrix6d::Zero();
 };
 
+/// Exponentially weighted mean of outer products.
+struct Moment {
+  vo::Matrix6d mean;  ///< at first a prior
+  int values = 1;     ///< in it, with the prior
+};
+
 /// Velocity at the exposure of a pair. A motion yields the mean velocity over the time step, which lags by
 /// half a frame period: 3 cm/s at 1 m/s^2 and 18 fps. Extrapolation by half the change since the previous
 /// mean removes the lag but adds noise; in each axis it is scaled by the factor a that minimises the expected
@@ -49,8 +55,7 @@ class VelocityAtExposure {
     double time_step = 0.0;
   };
 
-  /// Exponentially weighted means of outer products, of the acceleration and of the jerk.
-  vo::Matrix6d acceleration_moment_, jerk_moment_;
+  Moment acceleration_moment_, jerk_moment_;
   std::optional<Mean> last_;
   std::optional<vo::Vector6d> last_slope_;  ///< change of the mean per second
 };

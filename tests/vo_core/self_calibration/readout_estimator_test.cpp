@@ -1,11 +1,11 @@
 // Tests of the estimation of a readout that nobody has stated.
 #include "vo_core/self_calibration/readout_estimator.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include <gtest/gtest.h>
 
 namespace cartvo::vo {
 namespace {
@@ -18,8 +18,8 @@ ReadoutEquation imageOf(double truth, double stddev, const ReadoutEstimator& rea
   return {information, information * (truth - readout.used())};
 }
 
-/// The estimator after `images` of a camera with the readout `truth` (s), each with an error of `error` (s) and
-/// stated as good as 2 ms.
+/// The estimator after `images` of a camera with the readout `truth` (s), each with an error of `error` (s)
+/// and stated as good as 2 ms.
 ReadoutEstimator after(int images, double truth, double error = 0.0) {
   ReadoutEstimator readout({kUsual, kUnknown, {}}, {});
   std::mt19937 random(1);

@@ -146,7 +146,7 @@ void addShutterOptions(CLI::App& command, ShutterOptions& options) {
   addShakeOptions(command, options);
   command
       .add_option("--models", options.models,
-                  "What the odometry knows. known: the true readout; estimated: 32 ms with 15 %, as of\n"
+                  "What the odometry knows. known: the true readout; estimated: 32 ms with 40 %, as of\n"
                   "cameras whose rig file states none; ignored: it assumes a global shutter")
       ->delimiter(',')
       ->check(CLI::IsMember(readoutModelNames()))

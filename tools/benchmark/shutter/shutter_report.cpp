@@ -51,7 +51,7 @@ constexpr const char* kLegend =
     "readout: time from the exposure of the upper edge of an image to that of the lower one, left / right "
     "if\n"
     "they differ. right camera: its time offset, and how much slower its clock is. shaken: vibration of the\n"
-    "mount. model: known: the odometry has the true readout; estimated: it begins with 32 ms and 15 %;\n"
+    "mount. model: known: the odometry has the true readout; estimated: it begins with 32 ms and 40 %;\n"
     "ignored: it assumes a global shutter. Errors of the left camera's path (cartvo-evaluate(1)): segments\n"
     "of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg). x: as multiples of the errors\n"
     "with a global shutter on the same drive. NEES: mean of the squared error of motions and of\n"

@@ -15,7 +15,7 @@
 #include "daemon/pipeline/stage_clock.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
-// Processing of one pair: rectification, odometry, motion of the body.
+// Processing of one pair: rectification, odometry, motion of the body and its bounds.
 
 namespace cartvo::calib {
 class Rectifier;
@@ -62,6 +62,7 @@ struct PairResult {
   std::int64_t arrival_ns() const { return std::max(left.arrival_ns, right.arrival_ns); }
 };
 
+/// Settings of a PairProcessor.
 struct PairProcessorSettings {
   vo::OdometrySettings odometry{};
   /// For a camera whose readout the rig does not state.

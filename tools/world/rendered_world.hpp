@@ -37,6 +37,7 @@ class RenderedWorld final : public simulate::Content {
   /// Thread-safe; calls are serialised, each renders on `threads` threads.
   void images(int index, cv::Mat& left, cv::Mat& right) const override;
   Trajectory truth() const override;
+  Trajectory denseTruth() const override;
   std::string cacheKey() const override;
 
   const WorldSettings& settings() const;

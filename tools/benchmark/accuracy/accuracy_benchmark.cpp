@@ -57,7 +57,7 @@ class AccuracyRun {
     if (replay.pairs.empty())
       throw std::runtime_error(
           name + ": no left and right image could be paired; check the timestamps of both cameras");
-    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
+    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth, settings_.limits);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
     accuracy.set = sequence.set;

@@ -87,7 +87,7 @@ class OffsetRun {
     if (replay.pairs.empty())
       throw std::runtime_error(
           sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");
-    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
+    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth, settings_.limits);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
     accuracy.estimator = estimatorName(odometry.estimator);

@@ -53,7 +53,7 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
         sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");
   ShutterAccuracy result;
   result.model = model;
-  result.accuracy = measureAccuracy(replay, sequence.truth);
+  result.accuracy = measureAccuracy(replay, sequence.truth, settings.limits);
   result.accuracy.kind = sequence.kind;
   result.accuracy.estimator = estimatorName(settings.odometry.estimator);
   result.rates = AngularRateErrors(replay, sequence.truth);

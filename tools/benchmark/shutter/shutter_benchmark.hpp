@@ -57,6 +57,7 @@ struct ShutterSettings {
   std::vector<ShutterCase> cases;
   std::vector<ReadoutModel> models;
   vo::OdometrySettings odometry;
+  daemon::AlertLimits limits;
   std::filesystem::path cache;  ///< for rendered worlds
 };
 

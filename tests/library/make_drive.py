@@ -11,7 +11,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from running_cart import VALID, Cameras, Daemon, Listener, await_, camera_section  # noqa: E402
+from running_cart import VALID, WIDE_LIMITS, Cameras, Daemon, Listener, await_, camera_section  # noqa: E402
 
 CONTENT = ["--world", "loop", "--seconds", "4", "--size", "340x210", "--frame-rate", "9"]
 STATUS = 8 + 7 * 8  # offset of odometry_t.status, after the fingerprint and seven numbers of 8 bytes
@@ -34,7 +34,7 @@ def record(cartvo, cartvod, folder):
     listener = Listener()
     begin = time.time()
     daemon = Daemon(cartvod, folder / "daemon",
-                    camera_section(cameras.urls, cameras.password_file) + f"rig: {folder}/images/rig.yaml\n",
+                    camera_section(cameras.urls, cameras.password_file) + f"rig: {folder}/images/rig.yaml\nodometry: {{{WIDE_LIMITS}}}\n",
                     arguments=["--record", folder / "recordings"])
     try:
         await_(lambda: len(listener.valid_since(begin)) >= LEAST_MESSAGES, "odometry while recording")

@@ -33,7 +33,10 @@ def columns_of(row, prefix):
 def test_pair_processor_gives_what_replay_gives(drive):
     for source in ("images", "recording"):
         recording = cartvo.Recording(drive / source)
-        processor = cartvo.PairProcessor(recording.rig, unknown_readout=recording.is_recording)
+        limits = cartvo.AlertLimits()
+        if recording.is_recording:  # as its configuration
+            limits.velocity, limits.angular_rate, limits.motion, limits.rotation = 100.0, math.radians(1000), 100.0, math.pi
+        processor = cartvo.PairProcessor(recording.rig, unknown_readout=recording.is_recording, alert_limits=limits)
         rows, valid = replayed_rows(drive / f"replay-{source}"), 0
         for row, pair in zip(rows, recording, strict=True):
             result = processor.process(pair)

@@ -16,7 +16,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "support"))
 from check_faults import CONTENT, TIMEOUTS  # noqa: E402
-from running_cart import Cameras, Daemon, camera_section, start  # noqa: E402
+from running_cart import WIDE_LIMITS, Cameras, Daemon, camera_section, start  # noqa: E402
 
 PORT = 9465
 TOKEN = "a-token-of-the-test"
@@ -36,6 +36,7 @@ def configuration(cameras, folder):
     token.touch(0o600)
     token.write_text(TOKEN)
     return (camera_section(cameras.urls, cameras.password_file, TIMEOUTS) + f"rig: {cameras.folder / 'rig.yaml'}\n"
+            f"odometry: {{{WIDE_LIMITS}}}\n"
             f"recording: {{directory: {folder / 'recordings'}, start: by_hand, keep_free: 0}}\n"
             f"page: {{listen: 127.0.0.1:{PORT}, token_file: {token}}}\n")
 

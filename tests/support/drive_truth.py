@@ -56,7 +56,8 @@ class Truth:
 class Judgement:
     """VALID messages above an alert limit, and above their bound; and how often there is one."""
 
-    def __init__(self):
+    def __init__(self, limits=LIMITS):
+        self.limits = [limits[0]] * 3 + [limits[1]] * 3
         self.above_limit, self.above_bound = [], []  # (message, truth, errors)
         self.messages, self.valid, self.judged, self.longest_gap = 0, 0, 0, 0.0
         self.last_valid = None  # instant of reception
@@ -78,8 +79,7 @@ class Judgement:
             self.judged += 1
             errors = [abs(a - b) for a, b in zip((*message["velocity"], *message["rates"]), true)]
             is_late = instant > message["received"]
-            limits = [LIMITS[0]] * 3 + [LIMITS[1]] * 3
-            if is_late or not all(error <= limit for error, limit in zip(errors, limits)):
+            if is_late or not all(error <= limit for error, limit in zip(errors, self.limits)):
                 self.above_limit.append((message, true, errors))
             moved = [[abs(b - a) for a, b in zip(true, truth.at(instant + shift) or true)]
                      for shift in (-INSTANT_ERROR_S, INSTANT_ERROR_S)]

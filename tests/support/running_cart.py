@@ -36,6 +36,10 @@ def start(command, **options):
     return process
 
 
+# Of the section odometry: what tests of everything else than accuracy use, whose worlds are small and drives short.
+WIDE_LIMITS = "alert_limits: {velocity: 100, angular_rate: 1000, motion: 100, rotation: 180}"
+
+
 class Listener:
     """Receives the datagrams of an LCM group in a thread; decodes CARTVO_ODOMETRY (daemon/messages/odometry_t.lcm)."""
 

@@ -27,7 +27,7 @@ using CovarianceRows = std::array<double, 36>;
 struct ExportedMotion {
   std::int64_t exposure_ns = 0;   ///< instant of pose and velocity
   std::int64_t reception_ns = 0;  ///< receptionTime
-  bool valid = false;             ///< else the pose is the last valid one, and there is nothing else
+  bool valid = false;             ///< else the pose is the last known one, and there is nothing else
   std::string reasons;            ///< why it is not valid
   /// body to odom; goes on from the last valid pose after a loss of tracking
   Eigen::Isometry3d T_odom_body = Eigen::Isometry3d::Identity();

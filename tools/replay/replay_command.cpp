@@ -26,6 +26,7 @@
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/replay/alert_limits_option.hpp"
 #include "tools/replay/live_publisher.hpp"
 #include "tools/replay/motion_csv.hpp"
 #include "tools/replay/odometry_csv.hpp"
@@ -361,6 +362,7 @@ void addReplayCommand(CLI::App& cartvo) {
   const auto options = std::make_shared<Options>();
   addSourceOptions(*command, *options);
   addEstimationOptions(*command, *options);
+  addAlertLimitsOption(*command, options->replay.alert_limits);
   addPublishOptions(*command, *options);
   const auto page = addPageOptions(*command, *options);
   command->footer(

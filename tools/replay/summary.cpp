@@ -291,7 +291,7 @@ std::string nothingValidText(const Replay& replay) {
   const std::string none = "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; ";
   if (above_limit > 0 && above_limit >= counts[most])
     return none + kBoundName + " in " + std::to_string(above_limit) +
-           ": the motion is not known as well as the alert limits ask; odometry.csv has the bounds";
+           ": the motion is not known as well as --alert-limits ask; odometry.csv has the bounds";
   const auto reason = static_cast<vo::OdometryReason>(most);
   return none + reasonName(reason) + " in " + std::to_string(counts[most]) + ": " + reasonAdvice(reason);
 }

@@ -23,7 +23,7 @@
 #define MAX_AGE_US 1000000          /* the controller's own limit, whatever the time to live */
 #define MAX_FUTURE_US 10000         /* difference between the clocks of two computers */
 #define MAX_MESSAGES_PER_CYCLE 1000 /* a flood does not keep the control loop */
-#define MAX_RATE_BOUND 0.035        /* rad/s: 2 deg/s, the controller's own alert limit */
+#define MAX_YAW_RATE_BOUND 0.035    /* rad/s: 2 deg/s, the controller's own alert limit */
 #define SILENCE_US 1000000          /* then the daemon's clock may have been set back */
 #define ACCELERATION 2.0            /* m/s^2, standard deviation that a constant velocity does not know */
 #define YAW_GAIN 4.0                /* rad of the steering wheel per rad/s */
@@ -67,8 +67,8 @@ static bool is_covariance(const double* matrix) {
 }
 
 /* Errors exceed these bounds with a probability of at most 1e-4 a message. */
-static bool are_bounds(const double* bounds, double limit) {
-  return all_within(bounds, 3, limit) && bounds[0] >= 0.0 && bounds[1] >= 0.0 && bounds[2] >= 0.0;
+static bool are_bounds(const double* bounds) {
+  return all_within(bounds, 3, 1e12) && bounds[0] >= 0.0 && bounds[1] >= 0.0 && bounds[2] >= 0.0;
 }
 
 static bool is_usable(const cartvo_odometry_t* m, int64_t now) {
@@ -79,8 +79,8 @@ static bool is_usable(const cartvo_odometry_t* m, int64_t now) {
   if (!all_within(m->position_world_body, 3, 1e7)) return false;
   if (!(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0) <= 1e-3)) return false;
   if (!is_covariance(m->pose_covariance_body) || !is_covariance(m->twist_covariance_body)) return false;
-  if (m->quality <= 0 || !are_bounds(m->angular_rate_bound, MAX_RATE_BOUND)) return false;
-  if (!are_bounds(m->velocity_bound, 1e9)) return false;
+  if (m->quality <= 0 || !are_bounds(m->velocity_bound) || !are_bounds(m->angular_rate_bound)) return false;
+  if (m->angular_rate_bound[2] > MAX_YAW_RATE_BOUND) return false;
   if (m->utime < 0 || m->time_to_live_us <= 0) return false; /* then the next line cannot overflow */
   const int64_t age = now - m->utime;
   return age >= -MAX_FUTURE_US && age <= m->time_to_live_us && age <= MAX_AGE_US;

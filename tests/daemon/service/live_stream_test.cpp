@@ -112,7 +112,8 @@ class LiveStream : public testing::Test {
     std::ofstream(folder_ / "cartvod.yaml")
         << "cameras:\n  left: {url: '" << left_->url() << "', username: admin, password_file: password}\n"
         << "  right: {url: '" << right_->url() << "', username: admin, password_file: password}\n"
-        << "rig: rig.yaml\ntables: tables.bin\nodometry: {features: 300}\n";
+        << "rig: rig.yaml\ntables: tables.bin\nodometry:\n  features: 300\n"
+           "  alert_limits: {velocity: 100, angular_rate: 1000, motion: 100, rotation: 180}\n";
   }
 
   void startContent() {

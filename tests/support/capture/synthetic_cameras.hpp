@@ -16,6 +16,7 @@
 #include "capture/camera_source.hpp"
 #include "common/host_clock.hpp"
 #include "daemon/pipeline/pair_processor.hpp"
+#include "support/daemon/alert_limits.hpp"
 
 // Synthetic cameras and frames for tests of the pipeline.
 
@@ -35,9 +36,6 @@ inline calib::Rig smallRig() {
   rig.T_body_camera = calib::forwardLookingMount();
   return rig;
 }
-
-/// Limits that no bound exceeds: a small world may be known less well than a cart asks.
-constexpr daemon::AlertLimits kNoAlertLimits{1e6, 1e6, 1e6, 1e6};
 
 inline daemon::PairProcessor smallProcessor(const calib::Rig& rig,
                                             const daemon::AlertLimits& alert_limits = kNoAlertLimits) {

@@ -18,6 +18,7 @@
 #include "calib/format/rig_formats.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "common/atomic_file.hpp"
+#include "support/daemon/alert_limits.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -84,6 +85,7 @@ void linkFirstPairs(const std::filesystem::path& sequence, const std::filesystem
 Replay replayed(const std::filesystem::path& source) {
   ReplaySettings settings;
   settings.source = source;
+  settings.alert_limits = test::kNoAlertLimits;
   return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
 }
 
@@ -217,6 +219,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
   ReplaySettings settings;
   settings.source = folder_.path();
   settings.odometry.features = 500;
+  settings.alert_limits = test::kNoAlertLimits;
   const Replay replay = replaySource(settings, [](const daemon::PairResult&, std::size_t expected) {
     EXPECT_EQ(expected, static_cast<std::size_t>(kPairs));
   });

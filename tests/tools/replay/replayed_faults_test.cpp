@@ -9,6 +9,7 @@
 
 #include "calib/format/rig_file.hpp"
 #include "capture/recording/stream_recorder.hpp"
+#include "support/daemon/alert_limits.hpp"
 #include "support/pattern_content.hpp"
 #include "support/resources.hpp"
 #include "support/temporary_folder.hpp"
@@ -118,6 +119,7 @@ Replay replayRecording(const std::filesystem::path& folder) {
   ReplaySettings settings;
   settings.source = folder;
   settings.odometry.features = 150;
+  settings.alert_limits = test::kNoAlertLimits;
   settings.clock = ReplayClock::automatic;
   return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
 }

@@ -45,7 +45,8 @@ TEST(ReplaySummary, CountsPairsWithABoundAboveItsAlertLimit) {
   const nlohmann::ordered_json expected{{"first_pair", 1}, {"bound", 2}};
   EXPECT_EQ(replaySummary({}, replay)["invalid_by_reason"], expected);
   replay.pairs.pop_back();
-  EXPECT_THAT(nothingValidText(replay), HasSubstr("bound in 2: the motion is not known as well as"));
+  EXPECT_THAT(nothingValidText(replay),
+              HasSubstr("bound in 2: the motion is not known as well as --alert-limits"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/daemon/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/silent.hpp"
@@ -44,6 +45,7 @@ TEST(ShutterBenchmark, MeasuresEachWorldInEachCaseWithEachModel) {
   settings.models = {ReadoutModel::known, ReadoutModel::ignored};
   settings.odometry.features = 400;
   settings.cache = cache.path();
+  settings.limits = test::kNoAlertLimits;
   const std::vector<ShutterAccuracy> accuracies = runShutterBenchmark(settings, test::silent());
   ASSERT_EQ(accuracies.size(), 3u);
   for (const ShutterAccuracy& one : accuracies) {

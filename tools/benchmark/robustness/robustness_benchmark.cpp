@@ -92,9 +92,11 @@ class RobustnessRun {
     odometry.estimator = estimator;
     observer_.begin({sequence.name + ", " + disturbance.name});
     const Replay replay = replayPairs(
-        played.source, played.rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
+        played.source, played.rig, odometry,
+        [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
-        });
+        },
+        {}, nullptr, settings_.limits);
     if (replay.pairs.empty()) return {};
     return {measureAccuracy(replay, played.truth, settings_.limits), errorsPerSecond(replay, played.truth)};
   }

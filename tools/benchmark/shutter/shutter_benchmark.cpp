@@ -47,7 +47,7 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
       [&](const daemon::PairResult& result, std::size_t expected) {
         observer.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
       },
-      daemon::AbsentReadout::unknown);
+      daemon::AbsentReadout::unknown, nullptr, settings.limits);
   if (replay.pairs.empty())
     throw std::runtime_error(
         sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");

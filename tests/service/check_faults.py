@@ -6,6 +6,7 @@ of the functions below, or 'all'; 'prepare' only renders the drive into the fold
 tests/support/in_network_namespace.sh.
 """
 import ctypes
+import math
 import os
 import pathlib
 import signal
@@ -16,7 +17,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from drive_truth import Truth, wrong_velocities  # noqa: E402
+from drive_truth import Judgement, Truth  # noqa: E402
 from running_cart import GROUP, PORT, WIDE_LIMITS, Cameras, Daemon, Listener, ServiceManager, await_, camera_section  # noqa: E402
 
 CONTENT_S, FRAME_RATE = 8, 10
@@ -35,7 +36,7 @@ libc = ctypes.CDLL(None, use_errno=True)
 
 
 class Drive:
-    """The cameras, a subscriber, and a folder; checks at the end that no VALID message was wrong."""
+    """The cameras, a subscriber, and a folder; checks at the end that no VALID message was above its bound."""
 
     def __init__(self, cartvo, cartvod, cache, folder):
         self.cartvo, self.cartvod, self.cache, self.folder = cartvo, cartvod, cache, folder
@@ -99,8 +100,10 @@ class Drive:
         self.cameras.stop()
         for truth, end in self.drives:
             messages = [m for m in self.listener.messages if truth.begin <= m["utime"] * 1e-6 < end]
-            wrong, compared = wrong_velocities(messages, truth)
-            assert not wrong, f"{len(wrong)} of {compared} VALID messages are wrong: {wrong[:3]}"
+            judgement = Judgement((100.0, math.radians(1000.0)))  # of WIDE_LIMITS
+            judgement.add(messages, truth)
+            refuted = judgement.above_limit + judgement.above_bound
+            assert not refuted, f"{judgement.text()}: {refuted[:3]}"
 
 
 def sequences_have_no_gap(messages):

@@ -63,12 +63,12 @@ class Listener:
                 self.datagrams.append(data)
                 continue
             self.last_odometry = data
-            values = struct.unpack_from(">8xqqqqqqqbibi3d4d36d3d3d36d", body)
+            values = struct.unpack_from(">8xqqqqqqqbibi3d4d36d3d3d36d3d9d3d3d", body)
             self.messages.append({
                 "received": time.time(), "utime": values[0], "published": values[2], "sequence": values[4],
                 "latency_ms": 1e-3 * (values[2] - values[1]),  # of a pair, from its last packet to the publication
                 "valid": values[7] == VALID, "reasons": values[8], "velocity": values[54:57], "rates": values[57:60],
-                "deviation": max(values[60], values[67], values[74], 0.0) ** 0.5})
+                "velocity_bound": values[108:111], "rate_bound": values[111:114]})
 
     def problems(self):
         """The texts of the last health message, as bytes; empty before the first."""

@@ -12,6 +12,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "common/atomic_file.hpp"
+#include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {
@@ -123,6 +124,7 @@ void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options) {
                   "(default: $CARTVO_DATA, else ../shared/data)")
       ->type_name("DIR");
   addReportOptions(command, options);
+  addAlertLimitsOption(command, options.limits);
 }
 
 void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps,

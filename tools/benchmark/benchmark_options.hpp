@@ -27,6 +27,7 @@ struct BenchmarkOptions {
   std::string format = "text";
   bool json = false;
   std::filesystem::path output;
+  daemon::AlertLimits limits;
 
   ReportFormat reportFormat() const;
 };
@@ -38,7 +39,8 @@ void addReportOptions(CLI::App& command, BenchmarkOptions& options);
 /// command.
 void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps, const std::string& description);
 
-/// Adds --data and the options of addReportOptions. `options` must live as long as the command.
+/// Adds --data, --alert-limits and the options of addReportOptions. `options` must live as long as the
+/// command.
 void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
 
 /// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it exists. Empty if there

@@ -26,6 +26,7 @@ struct SequenceTruth {
   /// Twist of the body origin at the same instants, (m/s, rad/s) in body axes as in BodyMotion; empty if the
   /// truth consists of poses only.
   std::vector<vo::Vector6d> body_twist;
+  bool has_jumps = false;  ///< the poses are not those of a motion, so that they have no velocity
 };
 
 /// A sequence of image pairs on disk with its ground truth.

@@ -33,6 +33,9 @@ class InterpolatedTruth {
   /// Median time between the truth's poses, ns; 0 for a single one.
   std::int64_t period_ns() const { return period_ns_; }
 
+  /// Widest gap between two poses that is interpolated, ns.
+  std::int64_t max_gap_ns() const { return max_gap_ns_; }
+
  private:
   const Trajectory& truth_;
   std::int64_t period_ns_ = 0, max_gap_ns_ = 0;

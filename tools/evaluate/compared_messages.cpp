@@ -47,9 +47,8 @@ void takeTimes(const std::vector<OdometryRow>& rows, Trajectory& truth) {
 
 }  // namespace
 
-std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
-                                             const std::filesystem::path& truth) {
-  const std::vector<OdometryRow> rows = readOdometryFile(odometry);
+Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesystem::path& odometry,
+                         const std::vector<OdometryRow>& rows) {
   Trajectory poses = readTrajectory(truth);
   const bool is_kitti = isKittiTrajectory(truth);
   try {
@@ -60,12 +59,17 @@ std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odomet
   const TrajectoryFrame frame = frameOf(truth);
   const bool is_camera =
       frame == TrajectoryFrame::left_camera || (is_kitti && frame != TrajectoryFrame::body);
-  if (is_camera) {
-    const Eigen::Isometry3d T_body_camera = bodyFromCamera(odometry.parent_path() / "summary.json");
-    for (StampedPose& stamped : poses)
-      stamped.pose = T_body_camera * stamped.pose * T_body_camera.inverse();
-  }
-  std::vector<ComparedMessage> compared = compareMotion(rows, poses);
+  if (!is_camera) return poses;
+  const Eigen::Isometry3d T_body_camera = bodyFromCamera(odometry.parent_path() / "summary.json");
+  for (StampedPose& stamped : poses)
+    stamped.pose = T_body_camera * stamped.pose * T_body_camera.inverse();
+  return poses;
+}
+
+std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
+                                             const std::filesystem::path& truth) {
+  const std::vector<OdometryRow> rows = readOdometryFile(odometry);
+  std::vector<ComparedMessage> compared = compareMotion(rows, readBodyTruth(truth, odometry, rows));
   const bool has_truth = std::any_of(compared.begin(), compared.end(), [](const ComparedMessage& message) {
     return message.true_twist.allFinite();
   });

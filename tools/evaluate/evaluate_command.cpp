@@ -4,11 +4,14 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "common/atomic_file.hpp"
 #include "common/printable_text.hpp"
+#include "common/units.hpp"
+#include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/result_files.hpp"
@@ -31,15 +34,28 @@ struct Options {
   std::filesystem::path odometry;
   std::filesystem::path report;
   std::filesystem::path figures;
+  std::filesystem::path messages;
+  daemon::AlertLimits limits;
 };
 
-TopView viewOf(const Options& options) {
-  return isKittiTrajectory(options.truth) ? TopView::camera_axes : TopView::body_axes;
+/// The estimate is a file of messages: the poses, velocities and bounds are theirs.
+void readMessages(const Options& options, ReportFiles& files, ReportInput& input) {
+  const std::vector<OdometryRow> rows = readOdometryFile(options.estimate);
+  const Trajectory truth = readBodyTruth(options.truth, options.estimate, rows);
+  try {
+    input.associated = associateByTime(bodyTrajectory(rows), truth);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(files.estimate + " and " + files.truth + ": " + error.what());
+  }
+  input.view = TopView::body_axes;
+  input.messages = compareMotion(rows, truth);
+  files.odometry = files.estimate;
 }
 
 /// The messages of --odometry, or of the odometry.csv beside the estimate if there is one. The latter is not
 /// required: a problem with it is only a warning.
 void addMessages(const Options& options, ReportFiles& files, ReportInput& input) {
+  if (!input.messages.empty()) return;
   const bool is_given = !options.odometry.empty();
   const std::filesystem::path odometry =
       is_given ? options.odometry : options.estimate.parent_path() / "odometry.csv";
@@ -55,10 +71,7 @@ void addMessages(const Options& options, ReportFiles& files, ReportInput& input)
   }
 }
 
-void writeReport(const Options& options, const AssociatedTrajectories& associated,
-                 const Evaluation& evaluation) {
-  ReportFiles files{options.estimate.string(), options.truth.string(), {}};
-  ReportInput input{associated, evaluation, viewOf(options), {}};
+void writeReport(const Options& options, ReportFiles files, ReportInput input) {
   addMessages(options, files, input);
   const std::vector<Figure> figures = evaluationFigures(input);
   if (!options.report.empty()) writeResultFile(options.report, evaluationPage(files, input, figures));
@@ -67,19 +80,62 @@ void writeReport(const Options& options, const AssociatedTrajectories& associate
   writeFigures(options.figures, figures);
 }
 
-void run(const Options& options) {
-  checkResultFiles({options.plot, options.report});
-  const AssociatedTrajectories associated = associateFiles(options.estimate, options.truth);
-  const Evaluation evaluation = evaluate(associated);
+void printResults(const Options& options, const ReportInput& input) {
+  const bool has_messages = !input.messages.empty();
+  const ValidityFigures validity = validityFigures(judgedMessages(input.messages), options.limits);
   if (options.json) {
     nlohmann::ordered_json json{{"estimate", options.estimate.string()}, {"truth", options.truth.string()}};
-    json.update(evaluationJson(evaluation));
+    json.update(evaluationJson(input.evaluation));
+    if (has_messages) {
+      json["validity"] = validityJson(validity);
+      const daemon::AlertLimits& limits = options.limits;
+      json["validity"]["alert_limits"] = {limits.velocity, kDegreesPerRadian * limits.angular_rate,
+                                          limits.motion, kDegreesPerRadian * limits.rotation};
+    }
     printJson(json);
   } else {
-    std::fputs(evaluationTable(evaluation).c_str(), stdout);
+    std::fputs(evaluationTable(input.evaluation).c_str(), stdout);
+    if (has_messages) std::fputs(validityTable(validity, options.limits).c_str(), stdout);
   }
-  if (!options.plot.empty()) writeDrawing(options.plot, plotTrajectories(associated, viewOf(options)));
-  if (!options.report.empty() || !options.figures.empty()) writeReport(options, associated, evaluation);
+}
+
+void run(const Options& options) {
+  checkResultFiles({options.plot, options.report, options.messages});
+  ReportFiles files{options.estimate.string(), options.truth.string(), {}};
+  ReportInput input;
+  input.limits = options.limits;
+  if (isOdometryFile(options.estimate)) {
+    readMessages(options, files, input);
+  } else {
+    if (!options.messages.empty())
+      throw std::runtime_error(files.estimate + ": is no odometry.csv, whose messages --messages writes");
+    input.associated = associateFiles(options.estimate, options.truth);
+    input.view = isKittiTrajectory(options.truth) ? TopView::camera_axes : TopView::body_axes;
+  }
+  input.evaluation = evaluate(input.associated);
+  printResults(options, input);
+  if (!options.plot.empty()) writeDrawing(options.plot, plotTrajectories(input.associated, input.view));
+  if (!options.messages.empty())
+    writeResultFile(options.messages, judgedMessagesCsv(judgedMessages(input.messages)));
+  if (!options.report.empty() || !options.figures.empty()) writeReport(options, files, input);
+}
+
+void addFileOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("ESTIMATE", options.estimate,
+                  "The odometry.csv of a replay, or a trajectory: TUM or KITTI text, or EuRoC's data.csv")
+      ->required();
+  command
+      .add_option("TRUTH", options.truth,
+                  "The true trajectory of the same frame (camera or body), in one of these formats")
+      ->required();
+  command.add_flag("--json", options.json, "Print the results as JSON instead of the table");
+  addAlertLimitsOption(command, options.limits);
+  command
+      .add_option("--messages", options.messages,
+                  "File (.csv) for the errors and bounds of each message of an odometry.csv")
+      ->type_name("FILE");
+  addPlotOption(command, options.plot, "both paths and the error");
 }
 
 }  // namespace
@@ -87,19 +143,12 @@ void run(const Options& options) {
 void addEvaluateCommand(CLI::App& cartvo) {
   CLI::App* command = cartvo.add_subcommand("evaluate", "Compare a trajectory with the truth");
   const auto options = std::make_shared<Options>();
-  command->add_option("ESTIMATE", options->estimate, "The trajectory: TUM or KITTI text, or EuRoC's data.csv")
-      ->required();
-  command
-      ->add_option("TRUTH", options->truth,
-                   "The true trajectory of the same frame (camera or body), in one of these formats")
-      ->required();
-  command->add_flag("--json", options->json, "Print the results as JSON instead of the table");
-  addPlotOption(*command, options->plot, "both paths and the error");
+  addFileOptions(*command, *options);
   CLI::Option* report =
       command
           ->add_option("--report", options->report,
                        "File for a report (one HTML page): paths, errors over distance and time, segments, "
-                       "velocities, rates and NEES")
+                       "velocities, rates, NEES and errors against bounds")
           ->type_name("FILE");
   CLI::Option* figures =
       command
@@ -115,10 +164,13 @@ void addEvaluateCommand(CLI::App& cartvo) {
       "Files of TUM or EuRoC are compared by time: the truth is interpolated at the estimate's times. A "
       "KITTI file "
       "has no\n"
-      "times: it is compared row by row, and both files must have the same number of rows.\n"
+      "times: it is compared row by row, and both files must have the same number of rows. Of an "
+      "odometry.csv "
+      "the velocities,\n"
+      "rates and bounds are compared too: how many VALID messages are above an alert limit or their bound.\n"
       "Examples:\n"
       "  cartvo evaluate out/poses.txt kitti_06/poses.txt --plot out/path.png\n"
-      "  cartvo evaluate out/trajectory.tum truth.tum --json\n"
+      "  cartvo evaluate out/odometry.csv truth.tum --json\n"
       "  cartvo evaluate out/trajectory.tum truth.tum --report out/report.html");
   command->callback([options, report, figures] {
     if (!options->odometry.empty() && report->count() + figures->count() == 0)

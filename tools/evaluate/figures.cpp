@@ -214,6 +214,8 @@ std::vector<Figure> evaluationFigures(const ReportInput& input) {
   if (input.messages.empty()) return figures;
   for (Figure& figure : motionFigures(input.messages))
     figures.push_back(std::move(figure));
+  for (Figure& figure : boundFigures(judgedMessages(input.messages), input.limits))
+    figures.push_back(std::move(figure));
   return figures;
 }
 

@@ -8,6 +8,7 @@
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/ground_paths.hpp"
 #include "tools/evaluate/motion_comparison.hpp"
+#include "tools/evaluate/validity/validity_figures.hpp"
 #include "tools/report/chart.hpp"
 
 namespace cartvo {
@@ -18,6 +19,7 @@ struct ReportInput {
   Evaluation evaluation;
   TopView view = TopView::camera_axes;
   std::vector<ComparedMessage> messages;  ///< in the order of time; empty: none are known
+  daemon::AlertLimits limits;             ///< in the figures of errors and bounds
 };
 
 /// A chart of a report with its numbers.
@@ -30,8 +32,12 @@ struct Figure {
 };
 
 /// Charts of the paths, errors over distance and over time, segments, and, with messages, of velocities,
-/// rates and NEES. Charts over time need files with times or messages.
+/// rates, NEES and bounds. Charts over time need files with times or messages.
 std::vector<Figure> evaluationFigures(const ReportInput& input);
+
+/// Stanford diagrams: errors of VALID velocities and rates against their bounds, component by component.
+std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
+                                 const daemon::AlertLimits& limits);
 
 /// Charts of velocities, rates and NEES; `messages` must not be empty.
 std::vector<Figure> motionFigures(const std::vector<ComparedMessage>& messages);

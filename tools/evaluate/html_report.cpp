@@ -33,7 +33,20 @@ void addSegmentRows(Rows& rows, const std::string& name, const SegmentErrors& er
                   std::to_string(errors.count) + " segments"});
 }
 
-std::string measuresTable(const Evaluation& evaluation) {
+void addValidityRows(Rows& rows, const ReportInput& input) {
+  if (input.messages.empty()) return;
+  const ValidityFigures figures = validityFigures(judgedMessages(input.messages), input.limits);
+  rows.push_back({"available", fixed(100.0 * figures.availability(), 2) + " % of the messages are VALID",
+                  "longest gap " + fixed(figures.longest_gap, 2) + " s"});
+  rows.push_back({"VALID messages above an alert limit", shareOfJudged(figures, figures.above_limit),
+                  "largest errors " + fixed(figures.velocity_error, 3) + " m/s, " +
+                      fixed(kDegreesPerRadian * figures.rate_error, 2) + " deg/s"});
+  rows.push_back({"VALID messages above their bound", shareOfJudged(figures, figures.above_bound),
+                  "any component of velocity, rates or the motion of the last second"});
+}
+
+std::string measuresTable(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
   Rows rows{
       {"poses compared", std::to_string(evaluation.poses),
        std::string(evaluation.method == AssociationMethod::time ? "by time" : "row by row") +
@@ -55,6 +68,7 @@ std::string measuresTable(const Evaluation& evaluation) {
        "RMSE"}};
   addSegmentRows(rows, "segments of 5 to 40 m", evaluation.short_segments.all);
   addSegmentRows(rows, "segments of 100 to 800 m (KITTI)", evaluation.long_segments.all);
+  addValidityRows(rows, input);
   return tableElement({"measure", "value", "remark"}, rows);
 }
 
@@ -93,8 +107,8 @@ std::string figureElement(const Figure& figure) {
 std::string evaluationPage(const ReportFiles& files, const ReportInput& input,
                            const std::vector<Figure>& figures) {
   std::string body = "<h1>cartvo evaluate</h1>\n<p>" + escaped(files.estimate) + " compared with " +
-                     escaped(files.truth) + ", cartvo " CARTVO_VERSION "</p>\n" +
-                     measuresTable(input.evaluation) + motionNote(files, input) + "<main>\n";
+                     escaped(files.truth) + ", cartvo " CARTVO_VERSION "</p>\n" + measuresTable(input) +
+                     motionNote(files, input) + "<main>\n";
   for (const Figure& figure : figures)
     body += figureElement(figure);
   return htmlPage("cartvo evaluate: " + files.estimate, chartColourStyle() + kStyle, body + "</main>\n");

@@ -3,15 +3,12 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cstddef>
 #include <limits>
-
-#include "daemon/pipeline/body_motion.hpp"
-#include "tools/evaluate/association.hpp"
 
 namespace cartvo {
 namespace {
 
-constexpr std::int64_t kMinHalfSpan_ns = 25'000'000;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::optional<double> normalised(const vo::Vector6d& error, const vo::Matrix6d& covariance) {
@@ -21,64 +18,64 @@ std::optional<double> normalised(const vo::Vector6d& error, const vo::Matrix6d& 
   return error.dot(factor.solve(error)) / kDimension;
 }
 
-vo::Vector6d trueTwist(const InterpolatedTruth& truth, std::int64_t time_ns) {
-  const std::int64_t half_ns = std::max(truth.period_ns(), kMinHalfSpan_ns);
-  const auto before = truth.at(time_ns - half_ns), after = truth.at(time_ns + half_ns);
-  if (!before || !after) return vo::Vector6d::Constant(kNaN);
-  const double seconds = 2e-9 * static_cast<double>(half_ns);
-  return daemon::logarithm(before->pose.inverse() * after->pose) / seconds;
-}
-
 /// The true motion since the start of each epoch.
 class TrueEpochPose {
  public:
-  explicit TrueEpochPose(const InterpolatedTruth& truth) : truth_(truth) {}
+  TrueEpochPose(const std::vector<OdometryRow>& rows, const std::vector<TrueState>& truth)
+      : rows_(rows), truth_(truth) {}
 
-  /// For valid rows, in their order. `before`: the row before, at which a new epoch starts.
-  std::optional<Eigen::Isometry3d> at(const OdometryRow& row, const OdometryRow& before) {
-    if (!epoch_ || row.reset_counter != *epoch_) {
-      epoch_ = row.reset_counter;
-      start_ = truth_.at(before.time_ns);
+  /// For each row, in their order; empty if it has no estimate. A new epoch starts at the row before its
+  /// first estimate, which may be too uncertain to be valid.
+  std::optional<Eigen::Isometry3d> at(std::size_t index) {
+    if (!rows_[index].hasEstimate()) return std::nullopt;
+    if (rows_[index].reset_counter != epoch_) {
+      epoch_ = rows_[index].reset_counter;
+      start_ = truth_[std::max<std::size_t>(index, 1) - 1].T_world_body;
     }
-    const std::optional<StampedPose> now = truth_.at(row.time_ns);
-    if (!start_ || !now) return std::nullopt;
-    return start_->pose.inverse() * now->pose;
+    if (!start_ || !truth_[index].T_world_body) return std::nullopt;
+    return start_->inverse() * *truth_[index].T_world_body;
   }
 
  private:
-  const InterpolatedTruth& truth_;
+  const std::vector<OdometryRow>& rows_;
+  const std::vector<TrueState>& truth_;
   std::optional<std::int32_t> epoch_;
-  std::optional<StampedPose> start_;
+  std::optional<Eigen::Isometry3d> start_;
 };
 
 }  // namespace
 
 std::vector<ComparedMessage> compareMotion(const std::vector<OdometryRow>& rows, const Trajectory& truth) {
-  const InterpolatedTruth interpolated(truth);
-  TrueEpochPose epoch_pose(interpolated);
+  const vo::Vector6d unknown = vo::Vector6d::Constant(kNaN);
+  const std::vector<TrueState> states = trueStates(rows, truth);
+  const std::vector<JudgedMessage> judged = judge(rows, states);
+  TrueEpochPose epoch_pose(rows, states);
   std::vector<ComparedMessage> compared;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const OdometryRow& row = rows[i];
-    ComparedMessage message{row.time_ns,
-                            row.valid,
-                            row.reasons,
-                            vo::Vector6d::Constant(kNaN),
-                            vo::Vector6d::Constant(kNaN),
-                            trueTwist(interpolated, row.time_ns),
-                            {},
-                            {}};
+    ComparedMessage message{row.time_ns, row.valid, row.reasons,
+                            unknown,     unknown,   states[i].twist.value_or(unknown),
+                            {},          {},        judged[i]};
+    const std::optional<Eigen::Isometry3d> true_pose = epoch_pose.at(i);
     if (row.valid) {
       message.twist = row.twist;
       message.twist_stddev = row.twist_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
       if (!row.twist.isZero())
         message.twist_nees = normalised(row.twist - message.true_twist, row.twist_covariance);
-      if (const auto pose = epoch_pose.at(row, rows[std::max<std::size_t>(i, 1) - 1]))
+      if (true_pose)
         message.pose_nees =
-            normalised(vo::vectorFromMotion(row.T_world_body.inverse() * *pose), row.pose_covariance);
+            normalised(vo::vectorFromMotion(row.T_world_body.inverse() * *true_pose), row.pose_covariance);
     }
     compared.push_back(message);
   }
   return compared;
+}
+
+std::vector<JudgedMessage> judgedMessages(const std::vector<ComparedMessage>& messages) {
+  std::vector<JudgedMessage> judged;
+  for (const ComparedMessage& message : messages)
+    judged.push_back(message.judged);
+  return judged;
 }
 
 }  // namespace cartvo

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/evaluate/odometry_file.hpp"
+#include "tools/evaluate/validity/judged_messages.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
@@ -21,11 +21,14 @@ struct ComparedMessage {
   /// start of its epoch; empty where the truth is unknown, the message is not valid, or its covariance is not
   /// usable. A standstill whose twist is exactly zero has none of the twist.
   std::optional<double> twist_nees, pose_nees;
+  JudgedMessage judged;
 };
 
-/// Compares messages with the true poses of the body. The true twist is the motion of the truth from before
-/// to after the message's instant, over twice the truth's period or 50 ms, whichever is longer, divided by
-/// that time. The truth must be sorted by time and not be empty.
+/// Compares messages with the true poses of the body, see trueStates. The truth must be sorted by time and
+/// not be empty.
 std::vector<ComparedMessage> compareMotion(const std::vector<OdometryRow>& rows, const Trajectory& truth);
+
+/// The part that ValidityFigures count.
+std::vector<JudgedMessage> judgedMessages(const std::vector<ComparedMessage>& messages);
 
 }  // namespace cartvo

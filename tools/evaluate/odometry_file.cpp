@@ -3,7 +3,9 @@
 
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -17,6 +19,7 @@ namespace {
 constexpr std::uintmax_t kMaxFileBytes = 1U << 30U;
 constexpr std::size_t kMaxColumns = 1000;
 constexpr std::size_t kTriangle = 21;  // values of a symmetric 6x6 matrix
+constexpr std::string_view kFirstColumns = "pair,utime_us,";
 
 using Words = std::vector<std::string_view>;
 
@@ -35,7 +38,7 @@ Words split(std::string_view line) {
 /// Indices of the columns that are read.
 struct Columns {
   std::size_t count, utime, valid, reasons, reset_counter, position, orientation, velocity, rates,
-      pose_covariance, twist_covariance;
+      pose_covariance, twist_covariance, velocity_bound, rate_bound, motion_bound, rotation_bound;
 };
 
 /// Reads lines into rows.
@@ -89,7 +92,11 @@ class Reader {
                 columnOf(names, "vx_m_s", 3),
                 columnOf(names, "wx_rad_s", 3),
                 columnOf(names, "pose_covariance_x_x", kTriangle),
-                columnOf(names, "twist_covariance_vx_vx", kTriangle)};
+                columnOf(names, "twist_covariance_vx_vx", kTriangle),
+                columnOf(names, "velocity_bound_x", 3),
+                columnOf(names, "angular_rate_bound_x", 3),
+                columnOf(names, "motion_bound_x", 3),
+                columnOf(names, "rotation_bound_x", 3)};
   }
 
   template <typename Value>
@@ -107,6 +114,10 @@ class Reader {
   /// A number, or NaN for an empty cell.
   double valueOrNaN(const Words& words, std::size_t column) const {
     return words[column].empty() ? std::numeric_limits<double>::quiet_NaN() : number<double>(words, column);
+  }
+
+  Eigen::Vector3d readVector(const Words& words, std::size_t column) const {
+    return {valueOrNaN(words, column), valueOrNaN(words, column + 1), valueOrNaN(words, column + 2)};
   }
 
   Eigen::Isometry3d readPose(const Words& words) const {
@@ -147,12 +158,11 @@ class Reader {
     row.reasons = number<std::int32_t>(words, columns_.reasons);
     row.reset_counter = number<std::int32_t>(words, columns_.reset_counter);
     row.T_world_body = readPose(words);
-    for (std::size_t i = 0; i < 3; ++i) {
-      row.twist[static_cast<Eigen::Index>(i)] = valueOrNaN(words, columns_.velocity + i);
-      row.twist[static_cast<Eigen::Index>(i + 3)] = valueOrNaN(words, columns_.rates + i);
-    }
+    row.twist << readVector(words, columns_.velocity), readVector(words, columns_.rates);
     row.pose_covariance = readCovariance(words, columns_.pose_covariance);
     row.twist_covariance = readCovariance(words, columns_.twist_covariance);
+    row.bound = {readVector(words, columns_.velocity_bound), readVector(words, columns_.rate_bound),
+                 readVector(words, columns_.motion_bound), readVector(words, columns_.rotation_bound)};
     return row;
   }
 
@@ -166,6 +176,29 @@ class Reader {
 
 std::vector<OdometryRow> readOdometryFile(const std::filesystem::path& file) {
   return Reader(file.string()).read(readInputText(file, kMaxFileBytes));
+}
+
+bool isOdometryFile(const std::filesystem::path& file) {
+  std::string begin(kFirstColumns.size(), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return stream && begin == kFirstColumns;
+}
+
+Trajectory bodyTrajectory(const std::vector<OdometryRow>& rows) {
+  Trajectory trajectory;
+  std::optional<std::int32_t> epoch;
+  Eigen::Isometry3d T_first_epoch = Eigen::Isometry3d::Identity(), T_first_body = T_first_epoch;
+  for (const OdometryRow& row : rows) {
+    if (row.hasEstimate() && row.reset_counter != epoch) {
+      epoch = row.reset_counter;
+      T_first_epoch = T_first_body;
+    }
+    if (row.hasEstimate()) T_first_body = T_first_epoch * row.T_world_body;
+    if (trajectory.empty() || row.time_ns > trajectory.back().time_ns)
+      trajectory.push_back({row.time_ns, T_first_body});
+  }
+  return trajectory;
 }
 
 }  // namespace cartvo

@@ -109,6 +109,19 @@ std::string evaluationTable(const Evaluation& evaluation) {
   return text;
 }
 
+std::string validityTable(const ValidityFigures& figures, const daemon::AlertLimits& limits) {
+  std::string text;
+  text += line("%-34s %zu of %zu, %.2f %%, longest gap %.2f s", "available: VALID messages", figures.valid,
+               figures.messages, 100.0 * figures.availability(), figures.longest_gap);
+  text += line("%-34s %s (%g m/s, %g deg/s, %g m, %g deg)", "VALID above an alert limit",
+               shareOfJudged(figures, figures.above_limit).c_str(), limits.velocity,
+               kDegreesPerRadian * limits.angular_rate, limits.motion, kDegreesPerRadian * limits.rotation);
+  text += line("%-34s %s", "VALID above their bound", shareOfJudged(figures, figures.above_bound).c_str());
+  text += line("%-34s %.3f m/s, %.2f deg/s", "largest error of a VALID message", figures.velocity_error,
+               kDegreesPerRadian * figures.rate_error);
+  return text;
+}
+
 nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   nlohmann::ordered_json json;
   json["association"] = evaluation.method == AssociationMethod::time ? "time" : "rows";

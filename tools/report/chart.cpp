@@ -43,15 +43,24 @@ Range usable(Range range) {
   return {range.low - margin, range.high + margin};
 }
 
+/// Full decades that contain the logarithms of a range, at most eight.
+Range decades(const Range& range) {
+  if (range.isEmpty()) return {-1.0, 1.0};
+  constexpr double kMaxDecades = 8.0;
+  const double high = std::max(std::ceil(range.high), std::floor(range.low) + 1.0);
+  return {std::max(std::floor(range.low), high - kMaxDecades), high};
+}
+
+/// Of logarithms if the axis is logarithmic.
 Range xRange(const Chart& chart) {
   Range range;
   for (const ChartPanel& panel : chart.panels) {
     for (const ChartSeries& series : panel.series) {
       for (const cv::Point2d& point : series.points)
-        range.include(point.x);
+        range.include(chart.is_x_logarithmic ? std::log10(point.x) : point.x);  // not finite: left out
     }
   }
-  return usable(range);
+  return chart.is_x_logarithmic ? decades(range) : usable(range);
 }
 
 Range linearRange(const ChartPanel& panel) {
@@ -78,7 +87,6 @@ Range linearRange(const ChartPanel& panel) {
   return {with_bands.low == 0.0 ? 0.0 : with_bands.low - margin, with_bands.high + margin};
 }
 
-/// Full decades that contain the values, at most eight.
 Range logarithmicRange(const ChartPanel& panel) {
   Range range;
   const auto include = [&](double value) {
@@ -94,17 +102,16 @@ Range logarithmicRange(const ChartPanel& panel) {
       include(limits.high);
     }
   }
-  if (range.isEmpty()) return {-1.0, 1.0};
-  constexpr double kMaxDecades = 8.0;
-  const double high = std::max(std::ceil(range.high), std::floor(range.low) + 1.0);
-  return {std::max(std::floor(range.low), high - kMaxDecades), high};
+  return decades(range);
 }
 
 /// Maps the values of a panel to px of the drawing.
 class PanelMap {
  public:
-  PanelMap(const ChartPanel& panel, const Range& x, double top)
+  /// `x`: see xRange.
+  PanelMap(const ChartPanel& panel, const Range& x, bool is_x_logarithmic, double top)
       : is_logarithmic_(panel.is_logarithmic),
+        is_x_logarithmic_(is_x_logarithmic),
         x_(x),
         y_(panel.is_logarithmic ? logarithmicRange(panel) : linearRange(panel)),
         top_(top),
@@ -115,6 +122,7 @@ class PanelMap {
   double top() const { return top_; }
   double bottom() const { return top_ + height_; }
   bool isLogarithmic() const { return is_logarithmic_; }
+  bool isXLogarithmic() const { return is_x_logarithmic_; }
 
   /// Gives both axes the same scale; the smaller range is widened about its centre.
   void equalise() {
@@ -128,7 +136,10 @@ class PanelMap {
     widen(y_, kMargin * height_);
   }
 
-  double across(double x) const { return kLeft + (x - x_.low) / x_.size() * kPlotWidth; }
+  double across(double x) const {
+    const double value = is_x_logarithmic_ ? std::log10(x) : x;
+    return kLeft + (value - x_.low) / x_.size() * kPlotWidth;
+  }
   /// Values outside the axis are at its ends; NaN stays NaN.
   double down(double y) const {
     const double value = is_logarithmic_ ? std::log10(y) : y;
@@ -138,10 +149,16 @@ class PanelMap {
   cv::Point2d operator()(const cv::Point2d& value) const { return {across(value.x), down(value.y)}; }
 
  private:
-  bool is_logarithmic_;
+  bool is_logarithmic_, is_x_logarithmic_;
   Range x_, y_;
   double top_, height_;
 };
+
+/// Label of a power of ten.
+std::string decadeLabel(double exponent) {
+  const double value = std::pow(10.0, exponent);
+  return exponent < 0.0 ? tickLabel(value, value) : fixed(value, 0);
+}
 
 void drawYAxis(Drawing& drawing, const PanelMap& map, const std::string& title) {
   const double step =
@@ -150,22 +167,21 @@ void drawYAxis(Drawing& drawing, const PanelMap& map, const std::string& title) 
     const double value = map.isLogarithmic() ? std::pow(10.0, y) : y;
     const double down = map.down(value);
     drawing.addLine({{kLeft, down}, {kWidth - kRight, down}}, kChartGrid, 1.0);
-    drawing.addText(
-        {kLeft - 7.0, down + 0.35 * kLetterSize}, TextAnchor::end,
-        map.isLogarithmic() ? (y < 0.0 ? tickLabel(value, value) : fixed(value, 0)) : tickLabel(y, step),
-        kChartInk);
+    drawing.addText({kLeft - 7.0, down + 0.35 * kLetterSize}, TextAnchor::end,
+                    map.isLogarithmic() ? decadeLabel(y) : tickLabel(y, step), kChartInk);
   }
   drawing.addText({kLeft, map.top() - 8.0}, TextAnchor::start, title, kChartInk);
 }
 
 void drawXGrid(Drawing& drawing, const PanelMap& map, bool with_labels) {
   constexpr int kParts = 7;
-  const double step = roundStep(map.x().size(), kParts);
+  const double step = map.isXLogarithmic() ? 1.0 : roundStep(map.x().size(), kParts);
   for (const double x : multiplesOf(step, map.x().low, map.x().high)) {
-    const double across = map.across(x);
+    const double across = map.across(map.isXLogarithmic() ? std::pow(10.0, x) : x);
     drawing.addLine({{across, map.top()}, {across, map.bottom()}}, kChartGrid, 1.0);
     if (!with_labels) continue;
-    drawing.addText({across, map.bottom() + 17.0}, TextAnchor::middle, tickLabel(x, step), kChartInk);
+    drawing.addText({across, map.bottom() + 17.0}, TextAnchor::middle,
+                    map.isXLogarithmic() ? decadeLabel(x) : tickLabel(x, step), kChartInk);
   }
 }
 
@@ -177,7 +193,8 @@ void drawFrame(Drawing& drawing, const PanelMap& map) {
 void drawSeries(Drawing& drawing, const PanelMap& map, const ChartSeries& series) {
   if (series.style == SeriesStyle::dots) {
     for (const cv::Point2d& point : series.points) {
-      if (std::isfinite(point.y)) drawing.addCircle(map(point), kDotRadius, series.colour, 0.0);
+      if (const cv::Point2d at = map(point); std::isfinite(at.x) && std::isfinite(at.y))
+        drawing.addCircle(at, kDotRadius, series.colour, 0.0);
     }
     return;
   }
@@ -316,7 +333,7 @@ Drawing drawChart(const Chart& chart) {
   double top = first;
   for (const ChartPanel& panel : chart.panels) {
     top += kPanelTitle;
-    PanelMap map(panel, x, top);
+    PanelMap map(panel, x, chart.is_x_logarithmic, top);
     if (chart.has_equal_scale) map.equalise();
     drawXGrid(drawing, map, &panel == &chart.panels.back());
     drawYAxis(drawing, map, panel.y_title);

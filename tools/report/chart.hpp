@@ -62,6 +62,7 @@ struct Chart {
   std::vector<ChartSpan> marked;           ///< a bar below the panels shows them in the colour of faults
   std::string marked_name, unmarked_name;  ///< of the bar's parts in the legend; empty: no bar
   bool has_equal_scale = false;            ///< x and y have the same unit and scale
+  bool is_x_logarithmic = false;           ///< values of x that are not positive are left out
 };
 
 /// Draws a chart, 600 px wide. Curves of many points are reduced to what is visible at that width.

@@ -34,6 +34,10 @@ class Content {
   /// start.
   virtual Trajectory truth() const = 0;
 
+  /// As truth(), and between the left instants too where the motion is known there: motions faster than half
+  /// the frame rate, such as vibrations, have a velocity that the poses at the left instants do not show.
+  virtual Trajectory denseTruth() const { return truth(); }
+
   /// Key of everything that the images depend on, for caching encoded streams.
   virtual std::string cacheKey() const = 0;
 };

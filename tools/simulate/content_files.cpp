@@ -55,7 +55,7 @@ void writeDescription(const fs::path& folder, const Content& content) {
 }
 
 void writeTruth(const fs::path& folder, const Content& content, std::int64_t epoch_ns) {
-  const Trajectory truth = content.truth();
+  const Trajectory truth = content.denseTruth();
   if (!truth.empty()) writeTum(folder / "truth.tum", shifted(truth, epoch_ns), TrajectoryFrame::body);
 }
 

@@ -13,7 +13,8 @@ namespace cartvo::simulate {
 /// content's start, nine decimals). Creates the folder.
 void writeDescription(const std::filesystem::path& folder, const Content& content);
 
-/// Writes truth.tum: T_world_body at the left instants plus `epoch_ns`. No file if the truth is unknown.
+/// Writes truth.tum: T_world_body at the instants of Content::denseTruth() plus `epoch_ns`. No file if the
+/// truth is unknown.
 void writeTruth(const std::filesystem::path& folder, const Content& content, std::int64_t epoch_ns);
 
 /// Writes an image folder in the KITTI layout: image_0 and image_1 (PNG), the description, truth.tum, and

@@ -372,6 +372,20 @@ Trajectory RenderedWorld::truth() const {
   return truth;
 }
 
+Trajectory RenderedWorld::denseTruth() const {
+  constexpr std::int64_t kPosesPerPair = 5;
+  Trajectory truth;
+  for (int index = 0; index < pairCount(); ++index) {
+    const std::int64_t instant = leftInstant(index);
+    const std::int64_t period = index + 1 < pairCount() ? leftInstant(index + 1) - instant : 0;
+    for (std::int64_t part = 0; part < (period > 0 ? kPosesPerPair : 1); ++part) {
+      const std::int64_t time = instant + part * period / kPosesPerPair;
+      truth.push_back({time, T_world_body(1e-9 * static_cast<double>(time))});
+    }
+  }
+  return truth;
+}
+
 std::string RenderedWorld::cacheKey() const {
   const WorldSettings& s = implementation_->settings;
   std::ostringstream key;

@@ -38,6 +38,7 @@ class RenderedWorld final : public simulate::Content {
   void images(int index, cv::Mat& left, cv::Mat& right) const override;
   bool startsAtStandstill() const override;
   Trajectory truth() const override;
+  Trajectory denseTruth() const override;
   std::string cacheKey() const override;
 
   const WorldSettings& settings() const;

@@ -48,7 +48,7 @@ TEST(AblationTable, HasARowForEachVariantAndAColumnForEachSequence) {
   standing.standing_end = EndError{0.0012, 0.0};
   SequenceAccuracy lost = accuracyOf("campus 1", "two-pairs", 0.5);
   lost.invalid = 3;
-  lost.wrong = 1;
+  lost.validity.above_limit = 1;
   SequenceAccuracy drifting = standing;
   drifting.estimator = "two-pairs";
   const std::string table = ablationTable(
@@ -56,7 +56,7 @@ TEST(AblationTable, HasARowForEachVariantAndAColumnForEachSequence) {
   EXPECT_THAT(table, HasSubstr("| variant "));
   EXPECT_THAT(table, HasSubstr("campus 1 |"));
   EXPECT_THAT(table, HasSubstr("0.250 / 0.00200 "));
-  EXPECT_THAT(table, HasSubstr("0.500 / 0.00200, 3 invalid, 1 wrong |"));
+  EXPECT_THAT(table, HasSubstr("0.500 / 0.00200, 3 invalid, 1 above limit |"));
   EXPECT_THAT(table, HasSubstr("end 1.20 mm / 0°"));
   EXPECT_THAT(table, HasSubstr("12.0 |"));
   EXPECT_THAT(table, HasSubstr("two-pairs: a window of two pairs"));

@@ -116,7 +116,8 @@ TEST(BenchmarkCommand, MeasuresRealSequenceAndWritesJson) {
 
 TEST(BenchmarkCommand, OffsetUsesEverySecondImageOfARealSequence) {
   CARTVO_NEEDS_DATA(sequence, "kitti_06");
-  const nlohmann::json json = reportOn(sequence, "offset --scenarios none --models two-instants");
+  const nlohmann::json json = reportOn(
+      sequence, "offset --scenarios none --models two-instants --alert-limits 100,1000,100,180");  // a car
   EXPECT_EQ(json["benchmark"], "offset");
   ASSERT_EQ(json["offsets"].size(), 2u);
   const nlohmann::json& synchronised = json["offsets"][0];

@@ -107,14 +107,19 @@ TEST(AccuracyTable, SummarisesEachSetOnItsOwn) {
   SequenceAccuracy reporting = exampleWorld(2.0);
   reporting.sequence = "rain 11";
   reporting.set = WorldSet::reporting;
-  reporting.wrong = 3;
+  reporting.validity = {1000, 990, 980, 3, 5, 0.28, 0.41, 0.02};
   const std::string table = accuracyTable({tuning, worse, reporting, exampleStanding()}, ReportFormat::text);
-  EXPECT_THAT(table,
-              HasSubstr("\ntuning set, thesis, 2 worlds: 5–40 m: geometric mean 0.800 %, worst 1.60 % "
-                        "(dusk 1); NEES motion 1.00 (campus 1) to 1.00 (campus 1); 4 invalid, 0 wrong\n"));
-  EXPECT_THAT(table,
-              HasSubstr("\nreporting set, thesis, 1 worlds: 5–40 m: geometric mean 0.400 %, worst 0.400 % "
-                        "(rain 11); NEES motion 2.00 (rain 11) to 2.00 (rain 11); 2 invalid, 3 wrong\n"));
+  EXPECT_THAT(table, HasSubstr("\ntuning set, thesis, 2 worlds: 5–40 m: geometric mean 0.800 %, worst 1.60 % "
+                               "(dusk 1); NEES motion 1.00 (campus 1) to 1.00 (campus 1); 4 invalid; 0 of 0 "
+                               "VALID messages above an "
+                               "alert limit"));
+  EXPECT_THAT(
+      table,
+      HasSubstr(
+          "\nreporting set, thesis, 1 worlds: 5–40 m: geometric mean 0.400 %, worst 0.400 % "
+          "(rain 11); NEES motion 2.00 (rain 11) to 2.00 (rain 11); 2 invalid; 3 of 980 VALID messages above "
+          "an alert limit, 5 of 980 above their bound (largest errors 0.41 m/s, 1.15 deg/s); "
+          "available: 990 of 1000 messages, 99.00 %, longest gap 0.28 s\n"));
   EXPECT_THAT(table, Not(HasSubstr("neither set,")));
 }
 
@@ -161,7 +166,8 @@ TEST(AccuracyJson, HasUnitsInKeysAndNullForMissingValues) {
   EXPECT_EQ(world["invalid"], 2);
   EXPECT_EQ(world["lost"], 0);
   EXPECT_EQ(world["resets"], 0);
-  EXPECT_EQ(world["wrong_while_valid"], 0);
+  EXPECT_EQ(world["above_limit"], 0);
+  EXPECT_EQ(world["above_bound"], 0);
   EXPECT_TRUE(world["standing_end_m"].is_null());
   EXPECT_DOUBLE_EQ(world["evaluation"]["segments_5_to_40_m"]["translation_percent"], 0.4);
   EXPECT_NEAR(world["nees_motion"]["mean"], 1.0, 1e-12);

@@ -154,9 +154,9 @@ TEST(RobustnessRow, IsWorseByMoreThanChance) {
   RobustnessRow lost = rowWith({}, {});
   lost.reprojection.accuracy.invalid = 30;
   EXPECT_TRUE(lost.isWorse());
-  lost.thesis.accuracy.wrong = 1;
-  EXPECT_FALSE(lost.isWorse()) << "a wrong valid motion is worse than none";
-  lost.reprojection.accuracy.wrong = 2;
+  lost.thesis.accuracy.validity.above_limit = 1;
+  EXPECT_FALSE(lost.isWorse()) << "a VALID message above a limit is worse than none";
+  lost.reprojection.accuracy.validity.above_limit = 2;
   EXPECT_TRUE(lost.isWorse());
 }
 

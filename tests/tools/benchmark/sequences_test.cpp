@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "support/daemon/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "support/tools/silent.hpp"
@@ -129,6 +130,7 @@ TEST_F(TinyWorldBenchmark, MeasuresEachVariantLosslessAndEncoded) {
   settings.variants = {{"thesis", odometry}};
   settings.bitrates_mbps = {8.0};
   settings.cache = cache_->path();
+  settings.limits = test::kNoAlertLimits;
   const std::vector<SequenceAccuracy> accuracies = runAccuracyBenchmark(settings, silent());
   ASSERT_EQ(accuracies.size(), 2u);
   for (const SequenceAccuracy& accuracy : accuracies) {

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/daemon/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/silent.hpp"
@@ -44,6 +45,7 @@ TEST(ShutterBenchmark, MeasuresEachWorldInEachCaseWithEachModel) {
   settings.models = {ReadoutModel::known, ReadoutModel::ignored};
   settings.odometry.features = 400;
   settings.cache = cache.path();
+  settings.limits = test::kNoAlertLimits;
   const std::vector<ShutterAccuracy> accuracies = runShutterBenchmark(settings, test::silent());
   ASSERT_EQ(accuracies.size(), 3u);
   for (const ShutterAccuracy& one : accuracies) {
@@ -92,7 +94,7 @@ ShutterAccuracy example(const std::string& sequence, const ShutterCase& seen, Re
   one.accuracy.sequence = sequence;
   one.accuracy.kind = SequenceKind::rendered;
   one.accuracy.pairs = 101;
-  one.accuracy.invalid = 2;
+  one.accuracy.validity = {100, 98, 97, 1, 2, 0.5, 0.4, 0.03};
   one.accuracy.evaluation.poses = 101;
   one.accuracy.evaluation.short_segments.all = {0.0, 50, translation, 1e-4};
   one.accuracy.evaluation.relative_translation = 0.5 * translation;
@@ -122,6 +124,7 @@ TEST(ShutterTable, HasRatiosToAGlobalShutter) {
   EXPECT_THAT(table, HasSubstr("32 / 38 ms"));
   EXPECT_THAT(table, HasSubstr("8 Hz, 0.286 deg"));
   EXPECT_THAT(table, HasSubstr("98.0"));
+  EXPECT_THAT(table, HasSubstr("readout known: 8 of 776 VALID messages above an alert limit"));
   EXPECT_THAT(table, HasSubstr("all 2 worlds"));
   EXPECT_THAT(shutterTable(examples(), ReportFormat::markdown), ::testing::StartsWith("| sequence"));
 }
@@ -141,7 +144,7 @@ TEST(ShutterJson, HasOneRowPerResultAndSummary) {
   EXPECT_DOUBLE_EQ(ignored["left_readout_ms"], 32.0);
   EXPECT_NEAR(ignored["ratio_to_global"]["segment_translation"], 30.0, 1e-9);
   EXPECT_NEAR(ignored["relative_rate_error"], 0.1, 1e-9);
-  EXPECT_NEAR(ignored["valid_share"], 0.98, 1e-9);
+  EXPECT_NEAR(ignored["available_percent"], 98.0, 1e-9);
   EXPECT_TRUE(ignored["nees_motion"].is_null());
   EXPECT_NEAR(ignored["nees_velocity"], 1.25, 1e-12);
 }

@@ -51,6 +51,8 @@ std::vector<OdometryRow> messagesOf(const Trajectory& truth, double error, std::
     row.T_world_body = truth[i].pose;
     row.twist << kSpeed + error, 0.0, 0.0, 0.0, 0.0, kYawRate;
     row.twist_covariance = row.pose_covariance = 1e-4 * vo::Matrix6d::Identity();
+    const Eigen::Vector3d bound = Eigen::Vector3d::Constant(0.05);
+    row.bound = {bound, bound, bound, bound};
     rows.push_back(row);
   }
   return rows;
@@ -102,7 +104,7 @@ TEST(EvaluationFigures, AreOfPathErrorsSegmentsAndMotion) {
   const ReportInput input = inputOf(truthOf(200));
   EXPECT_THAT(namesOf(evaluationFigures(input)),
               testing::ElementsAre("trajectory", "error-over-distance", "error-over-time", "segments",
-                                   "velocities", "rates", "nees"));
+                                   "velocities", "rates", "nees", "velocity-bounds", "rate-bounds"));
   ReportInput rows = input;
   rows.associated.method = AssociationMethod::rows;
   rows.messages.clear();
@@ -134,6 +136,7 @@ TEST(EvaluationPage, HasEachFigureWithItsNumbersAndNeedsNoOtherFile) {
   for (const Figure& figure : figures)
     EXPECT_THAT(page, HasSubstr("<figure id=\"" + figure.name + "\">"));
   EXPECT_THAT(page, AllOf(HasSubstr("a&lt;b.tum"), HasSubstr("2 not valid: 2 too few matches"),
+                          HasSubstr("VALID messages above their bound"), HasSubstr("0 of 198"),
                           HasSubstr("prefers-color-scheme:dark"), HasSubstr("Numbers of this figure")));
   EXPECT_THAT(page, AllOf(Not(HasSubstr("src=")), Not(HasSubstr("href=")), Not(HasSubstr("<script")),
                           Not(HasSubstr("nan")), Not(HasSubstr("url("))));
@@ -172,6 +175,11 @@ std::string odometryText(const std::string& valid, const std::string& x) {
       row += ",0.5";
     }
   }
+  for (const char* quantity : {"velocity", "angular_rate", "motion", "rotation"}) {
+    const std::string name = std::string(",") + quantity + "_bound_";
+    header += name + "x" + name + "y" + name + "z";
+    row += ",0.1,0.2,0.3";
+  }
   return header + ",features\n" + row + ",7\n";
 }
 
@@ -191,6 +199,30 @@ TEST(OdometryFile, IsReadByTheNamesOfItsColumns) {
   EXPECT_DOUBLE_EQ(rows[0].twist[5], 6.0);
   EXPECT_TRUE(std::isnan(rows[0].pose_covariance(0, 0))) << "an empty cell";
   EXPECT_DOUBLE_EQ(rows[0].pose_covariance(5, 4), 0.5);
+  EXPECT_DOUBLE_EQ(rows[0].bound.angular_rate.y(), 0.2);
+}
+
+TEST(OdometryFile, IsKnownByItsFirstLine) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "odometry.csv") << odometryText("1", "2.5");
+  std::ofstream(folder / "truth.tum") << "1 0 0 0 0 0 0 1\n";
+  EXPECT_TRUE(isOdometryFile(folder / "odometry.csv"));
+  EXPECT_FALSE(isOdometryFile(folder / "truth.tum"));
+  EXPECT_FALSE(isOdometryFile(folder / "absent.csv"));
+}
+
+TEST(OdometryFile, GivesAPathThatContinuesAcrossEpochs) {
+  std::vector<OdometryRow> rows = messagesOf(truthOf(6), 0.0, 3);
+  for (std::size_t i = 4; i < 6; ++i) {  // a new epoch begins at the last known pose
+    rows[i].reset_counter = 1;
+    rows[i].T_world_body =
+        Eigen::Isometry3d(Eigen::Translation3d(0.1 * static_cast<double>(i - 3), 0.0, 0.0));
+  }
+  rows[3].bound = {};
+  const Trajectory path = bodyTrajectory(rows);
+  ASSERT_EQ(path.size(), 6u);
+  EXPECT_TRUE(path[3].pose.isApprox(path[2].pose)) << "the message has no estimate";
+  EXPECT_NEAR((path[5].pose.translation() - path[2].pose.translation()).norm(), 0.2, 1e-12);
 }
 
 TEST(OdometryFile, ErrorsNameFileLineAndWhatWasExpected) {

@@ -174,6 +174,16 @@ TEST(RenderedWorld, ShakenMountTurnsTheCamerasAboutTheirPlaceAfterTheLeadIn) {
   EXPECT_LT(largest, 0.0125);
 }
 
+TEST(RenderedWorld, DenseTruthHasFurtherPosesBetweenThoseOfTheImages) {
+  const RenderedWorld world(smallDrive());
+  const Trajectory truth = world.truth(), dense = world.denseTruth();
+  ASSERT_EQ(dense.size(), 5 * (truth.size() - 1) + 1);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_EQ(dense[5 * i].time_ns, truth[i].time_ns);
+    EXPECT_TRUE(dense[5 * i].pose.isApprox(truth[i].pose, 0.0));
+  }
+}
+
 TEST(RenderedWorld, TruthStartsAtTheOriginAndIsSmooth) {
   for (const Scenario scenario : world::allScenarios()) {
     SCOPED_TRACE(std::string(world::scenarioName(scenario)));

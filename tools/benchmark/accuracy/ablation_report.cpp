@@ -47,7 +47,8 @@ std::string cell(const SequenceAccuracy& accuracy) {
            significant(kDegreesPerRadian * accuracy.standing_end->rotation) + "°";
   }
   if (accuracy.invalid > 0) text += ", " + std::to_string(accuracy.invalid) + " invalid";
-  if (accuracy.wrong > 0) text += ", " + std::to_string(accuracy.wrong) + " wrong";
+  if (const std::size_t above = accuracy.validity.above_limit; above > 0)
+    text += ", " + std::to_string(above) + " above limit";
   return text;
 }
 

@@ -1,12 +1,10 @@
 // Compares a replay with the ground truth pair by pair, and summarises several sequences.
 #include "tools/benchmark/accuracy/accuracy.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "common/units.hpp"
+#include "tools/benchmark/accuracy/judged_replay.hpp"
 #include "tools/benchmark/accuracy/true_motion.hpp"
 #include "tools/evaluate/association.hpp"
 
@@ -37,11 +35,8 @@ class AccuracyMeasurement {
   void addPair(std::size_t index) {
     const ReplayedPair& pair = replay_.pairs[index];
     if (index > 0) result_.times_ms.push_back(1e3 * pair.times.total);
-    if (!pair.valid) {
-      if (index > 0) ++result_.invalid;
-      return;
-    }
-    if (index == 0) return;
+    if (!pair.valid && index > 0) ++result_.invalid;
+    if (index == 0 || !(pair.time_step > 0.0)) return;  // no motion was measured
     const auto from = rows_.at(referenceOf(replay_, index)), to = rows_.at(index);
     if (!epoch_begun_ || pair.reset_counter != epoch_) {
       epoch_begun_ = true;
@@ -49,7 +44,7 @@ class AccuracyMeasurement {
       epoch_start_ = from;
       result_.consistency.pose.beginGroup();
     }
-    if (!to) return;
+    if (!to || !pair.valid) return;
     if (from) addMotion(pair, *from, *to);
     if (epoch_start_) {
       result_.consistency.pose.add(
@@ -61,7 +56,6 @@ class AccuracyMeasurement {
   void addMotion(const ReplayedPair& pair, std::size_t from, std::size_t to) {
     const Eigen::Isometry3d motion = trueMotion(from, to);
     const vo::Vector6d error = vo::vectorFromMotion(pair.T_previous_current.inverse() * motion);
-    if (isWrong(error, pair.motion_covariance)) ++result_.wrong;
     if (motion.translation().norm() < kStandingTranslation && angleOf(motion) < kStandingRotation) {
       ++result_.standing;
       result_.standing_speed = std::max(result_.standing_speed, pair.velocity.norm());
@@ -91,14 +85,6 @@ class AccuracyMeasurement {
   std::uint32_t epoch_ = 0;
   std::optional<std::size_t> epoch_start_;  ///< index into truth_.left_camera
 };
-
-double mahalanobisDistance(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
-  const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
-  // No usable covariance: any error is infinitely many standard deviations.
-  if (!covariance.allFinite() || factor.info() != Eigen::Success)
-    return std::numeric_limits<double>::infinity();
-  return std::sqrt(error.dot(factor.solve(error)));
-}
 
 void addSegments(SegmentErrors& sum, const SegmentErrors& errors) {
   sum.count += errors.count;
@@ -159,22 +145,13 @@ void Consistency::add(const Consistency& other) {
   velocity.add(other.velocity);
 }
 
-bool isWrong(const vo::Vector6d& error, const vo::Matrix6d& covariance) {
-  constexpr double kMinTranslation = 0.05, kMinRotation = 0.5 * kRadiansPerDegree,
-                   kMinStddevs = 5.0;  // m, rad
-  const auto is_beyond = [&](int first, double limit) {
-    const Eigen::Vector3d part = error.segment<3>(first);
-    return part.norm() > limit &&
-           mahalanobisDistance(part, covariance.block<3, 3>(first, first)) > kMinStddevs;
-  };
-  return is_beyond(0, kMinTranslation) || is_beyond(3, kMinRotation);
-}
-
-SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth) {
+SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth,
+                                 const daemon::AlertLimits& limits) {
   SequenceAccuracy accuracy = AccuracyMeasurement(replay, truth).measure();
   accuracy.pairs = replay.pairs.size();
   accuracy.lost = truth.left_camera.size() - std::min(truth.left_camera.size(), accuracy.pairs);
   accuracy.resets = replay.pairs.back().reset_counter;
+  accuracy.validity = validityFigures(judge(replay, truth), limits);
   accuracy.evaluation = evaluate(associateByTime(leftCameraTrajectory(replay), truth.left_camera));
   if (!accuracy.evaluation.final_drift_fraction) {
     accuracy.standing_end = {accuracy.evaluation.final_drift, accuracy.evaluation.final_rotation};
@@ -195,7 +172,7 @@ SequenceAccuracy summarise(const std::string& name, const std::vector<SequenceAc
     all.lost += one.lost;
     all.invalid += one.invalid;
     all.resets += one.resets;
-    all.wrong += one.wrong;
+    all.validity.add(one.validity);
     all.standing += one.standing;
     all.standing_speed = std::max(all.standing_speed, one.standing_speed);
     all.consistency.add(one.consistency);

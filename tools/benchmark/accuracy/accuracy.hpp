@@ -8,6 +8,7 @@
 #include "tools/benchmark/sequence.hpp"
 #include "tools/evaluate/consistency.hpp"
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/validity/validity_figures.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace cartvo::benchmark {
@@ -49,30 +50,26 @@ struct SequenceAccuracy {
 
   std::size_t pairs = 0;                 ///< processed
   std::size_t lost = 0;                  ///< pairs of the sequence that the pipeline did not form
-  std::size_t invalid = 0;               ///< pairs without an estimate, except the first
+  std::size_t invalid = 0;               ///< pairs that are not VALID, except the first
   std::size_t resets = 0;                ///< restarts of the pose
-  std::size_t wrong = 0;                 ///< valid pairs with a wrong motion, see isWrong
   std::size_t standing = 0;              ///< valid pairs whose true motion is a standstill
   double standing_speed = 0.0;           ///< highest reported speed of these pairs, m/s
   Evaluation evaluation;                 ///< of the left camera's path, see tools/evaluate
   std::optional<EndError> standing_end;  ///< of the last pose; set if the path is shorter than 1 m
   Consistency consistency;
+  ValidityFigures validity;      ///< of the published messages
   std::vector<double> times_ms;  ///< of each pair except the first, without reading and decoding
 };
 
-/// Whether a motion error is large and not covered by its covariance: more than 5 cm and five standard
-/// deviations in translation, or more than 0.5 degrees and five standard deviations in rotation (Mahalanobis
-/// distance of the three components). `error` and `covariance`: (x, y, z, rotation vector), m and rad.
-bool isWrong(const vo::Vector6d& error, const vo::Matrix6d& covariance);
-
-/// Compares a replay of at least one pair with the truth. Throws std::runtime_error if fewer than two pairs
-/// have a true pose.
-SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth);
+/// Compares a replay of at least one pair with the truth, and counts published messages above `limits`.
+/// Throws std::runtime_error if fewer than two pairs have a true pose.
+SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth,
+                                 const daemon::AlertLimits& limits);
 
 /// Combines several sequences into one with the given name: counts are summed; segments, motions and times
-/// are pooled; drift and its percentage are means over the moving sequences; standing speed and end error are
-/// maxima. Only path length, segments of all lengths, RPE and drift of the evaluation are set. `accuracies`
-/// must not be empty.
+/// are pooled; drift and its percentage are means over the moving sequences; standing speed, end error, gap
+/// and errors of VALID messages are maxima. Only path length, segments of all lengths, RPE and drift of the
+/// evaluation are set. `accuracies` must not be empty.
 SequenceAccuracy summarise(const std::string& name, const std::vector<SequenceAccuracy>& accuracies);
 
 }  // namespace cartvo::benchmark

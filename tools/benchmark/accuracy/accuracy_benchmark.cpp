@@ -51,13 +51,15 @@ class AccuracyRun {
     const std::string name = withBitrate(sequence.name, bitrate_mbps);
     observer_.begin({name + ": " + variant.name});
     const Replay replay = replayPairs(
-        source, rig, variant.odometry, [&](const daemon::PairResult& result, std::size_t expected) {
+        source, rig, variant.odometry,
+        [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
-        });
+        },
+        {}, nullptr, settings_.limits);
     if (replay.pairs.empty())
       throw std::runtime_error(
           name + ": no left and right image could be paired; check the timestamps of both cameras");
-    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
+    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth, settings_.limits);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
     accuracy.set = sequence.set;

@@ -10,6 +10,7 @@
 #include "common/units.hpp"
 #include "tools/benchmark/accuracy/set_summary.hpp"
 #include "tools/benchmark/error_ratios.hpp"
+#include "tools/benchmark/validity_cells.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace cartvo::benchmark {
@@ -51,27 +52,19 @@ std::string setCell(const SequenceAccuracy& a) {
 
 std::vector<std::string> cells(const SequenceAccuracy& a) {
   const Evaluation& e = a.evaluation;
-  return {a.bitrate_mbps > 0.0 ? a.sequence + ", " + bitrateName(a.bitrate_mbps) : a.sequence,
-          setCell(a),
-          a.estimator,
-          std::to_string(a.pairs),
-          fixed(e.path_length, 1),
-          segmentCell(e.short_segments.all),
-          segmentCell(e.long_segments.all),
-          fixed(e.relative_translation, 4) + " / " + fixed(kDegreesPerRadian * e.relative_rotation, 4),
-          driftCell(e),
-          endCell(a.standing_end),
-          a.standing > 0 ? fixed(a.standing_speed, 4) : kNoValue,
-          std::to_string(a.invalid),
-          std::to_string(a.lost),
-          std::to_string(a.resets),
-          std::to_string(a.wrong),
-          consistencyCell(a.consistency.motion),
-          consistencyCell(a.consistency.pose),
-          consistencyCell(a.consistency.velocity),
-          a.times_ms.empty()
-              ? kNoValue
-              : fixed(percentile(a.times_ms, 0.5), 1) + " / " + fixed(percentile(a.times_ms, 0.99), 1)};
+  return withValidity(
+      {a.bitrate_mbps > 0.0 ? a.sequence + ", " + bitrateName(a.bitrate_mbps) : a.sequence, setCell(a),
+       a.estimator, std::to_string(a.pairs), fixed(e.path_length, 1), segmentCell(e.short_segments.all),
+       segmentCell(e.long_segments.all),
+       fixed(e.relative_translation, 4) + " / " + fixed(kDegreesPerRadian * e.relative_rotation, 4),
+       driftCell(e), endCell(a.standing_end), a.standing > 0 ? fixed(a.standing_speed, 4) : kNoValue,
+       std::to_string(a.invalid), std::to_string(a.lost), std::to_string(a.resets),
+       consistencyCell(a.consistency.motion), consistencyCell(a.consistency.pose),
+       consistencyCell(a.consistency.velocity),
+       a.times_ms.empty()
+           ? kNoValue
+           : fixed(percentile(a.times_ms, 0.5), 1) + " / " + fixed(percentile(a.times_ms, 0.99), 1)},
+      a.validity);
 }
 
 /// One row per estimator and set over its rendered worlds.
@@ -129,8 +122,8 @@ std::string withGrowth(const std::string& value, const std::optional<double>& gr
 }
 
 std::string bitrateTable(const std::vector<BitratePoint>& points, ReportFormat format) {
-  Table table(
-      {"sequence", "estimator", "H.264", "5–40 m: % / deg/m", "lossless", "RPE, m", "lossless", "wrong"});
+  Table table({"sequence", "estimator", "H.264", "5–40 m: % / deg/m", "lossless", "RPE, m", "lossless",
+               "> limit", "> bound"});
   for (const BitratePoint& point : points) {
     const Evaluation& encoded = point.encoded->evaluation;
     const Evaluation& lossless = point.lossless->evaluation;
@@ -138,7 +131,8 @@ std::string bitrateTable(const std::vector<BitratePoint>& points, ReportFormat f
                withGrowth(segmentCell(encoded.short_segments.all), segmentGrowth(point)),
                segmentCell(lossless.short_segments.all),
                withGrowth(fixed(encoded.relative_translation, 4), relativeGrowth(point)),
-               fixed(lossless.relative_translation, 4), std::to_string(point.encoded->wrong)});
+               fixed(lossless.relative_translation, 4), std::to_string(point.encoded->validity.above_limit),
+               std::to_string(point.encoded->validity.above_bound)});
   }
   return table.as(format);
 }
@@ -150,9 +144,9 @@ constexpr const char* kLegend =
     "deg/m),\n"
     "from pair to pair (RPE, RMSE), final drift. end: error of the last pose, if the cart never moves. "
     "standing:\n"
-    "highest speed reported at a true standstill. invalid: pairs without an estimate; lost: pairs that were "
+    "highest speed reported at a true standstill. invalid: pairs that are not VALID; lost: pairs that were "
     "not formed;\n"
-    "wrong: valid, but off by more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the "
+    "NEES: mean of the "
     "squared error\n"
     "over its covariance, per dimension: 1 is consistent, * is outside the 95 % band of consistent "
     "estimators (pose: an\n"
@@ -183,7 +177,6 @@ Json sequenceJson(const SequenceAccuracy& a) {
             {"invalid", a.invalid},
             {"lost", a.lost},
             {"resets", a.resets},
-            {"wrong_while_valid", a.wrong},
             {"standing_pairs", a.standing},
             {"standing_highest_speed_m_s", nullptr},
             {"standing_end_m", nullptr},
@@ -193,6 +186,7 @@ Json sequenceJson(const SequenceAccuracy& a) {
             {"nees_pose", consistencyJson(a.consistency.pose)},
             {"nees_velocity", consistencyJson(a.consistency.velocity)},
             {"time_ms", nullptr}};
+  json.update(validityJson(a.validity));
   if (a.bitrate_mbps > 0.0) json["bitrate_mbps"] = a.bitrate_mbps;
   if (a.standing > 0) json["standing_highest_speed_m_s"] = a.standing_speed;
   if (a.standing_end) {
@@ -219,10 +213,10 @@ Json optionalPercent(const std::optional<double>& fraction) {
 }  // namespace
 
 std::string accuracyTable(const std::vector<SequenceAccuracy>& accuracies, ReportFormat format) {
-  Table table({"sequence", "set", "estimator", "pairs", "length, m", "5–40 m: % / deg/m",
-               "100–800 m: % / deg/m", "RPE: m / deg", "drift: % / m", "end: cm / deg", "standing, m/s",
-               "invalid", "lost", "resets", "wrong", "NEES motion", "NEES pose", "NEES velocity",
-               "ms: median / p99"});
+  Table table(withValidityColumns({"sequence", "set", "estimator", "pairs", "length, m", "5–40 m: % / deg/m",
+                                   "100–800 m: % / deg/m", "RPE: m / deg", "drift: % / m", "end: cm / deg",
+                                   "standing, m/s", "invalid", "lost", "resets", "NEES motion", "NEES pose",
+                                   "NEES velocity", "ms: median / p99"}));
   for (const SequenceAccuracy& accuracy : accuracies)
     table.add(cells(accuracy));
   const std::vector<SetSummary> summaries = setSummaries(accuracies);
@@ -231,7 +225,7 @@ std::string accuracyTable(const std::vector<SequenceAccuracy>& accuracies, Repor
   std::string report = table.as(format) + "\n";
   for (const SetSummary& summary : summaries)
     report += summaryLine(summary) + "\n";
-  report.append(summaries.empty() ? "" : "\n").append(kLegend);
+  report.append(summaries.empty() ? "" : "\n").append(kLegend).append(kValidityLegend);
   if (const std::vector<BitratePoint> points = bitratePoints(accuracies); !points.empty())
     report.append("\n").append(bitrateTable(points, format));
   return report;

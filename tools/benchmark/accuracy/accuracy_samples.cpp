@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kFormat = 2;                       // of the files
+constexpr int kFormat = 3;                       // of the files
 constexpr std::size_t kMaxFileBytes = 1U << 30;  // an hour at 18 Hz needs 10 MB
 
 Json optionalJson(const std::optional<double>& value) {
@@ -115,6 +115,17 @@ NormalisedErrors errorsOf(const Json& json) {
   return {std::move(groups), json.at("unusable").get<std::size_t>()};
 }
 
+Json validitySamples(const ValidityFigures& figures) {
+  return {figures.messages,    figures.valid,       figures.judged,         figures.above_limit,
+          figures.above_bound, figures.longest_gap, figures.velocity_error, figures.rate_error};
+}
+
+ValidityFigures validityOf(const Json& json) {
+  const auto count = [&](std::size_t i) { return json.at(i).get<std::size_t>(); };
+  const auto number = [&](std::size_t i) { return json.at(i).get<double>(); };
+  return {count(0), count(1), count(2), count(3), count(4), number(5), number(6), number(7)};
+}
+
 Json accuracySamples(const SequenceAccuracy& a) {
   Json json{{"sequence", a.sequence},
             {"rendered", a.kind == SequenceKind::rendered},
@@ -125,7 +136,6 @@ Json accuracySamples(const SequenceAccuracy& a) {
             {"lost", a.lost},
             {"invalid", a.invalid},
             {"resets", a.resets},
-            {"wrong", a.wrong},
             {"standing", a.standing},
             {"standing_speed", a.standing_speed},
             {"standing_end", nullptr},
@@ -133,6 +143,7 @@ Json accuracySamples(const SequenceAccuracy& a) {
             {"motion", errorsJson(a.consistency.motion)},
             {"pose", errorsJson(a.consistency.pose)},
             {"velocity", errorsJson(a.consistency.velocity)},
+            {"validity", validitySamples(a.validity)},
             {"times_ms", a.times_ms}};
   if (a.standing_end) json["standing_end"] = {a.standing_end->translation, a.standing_end->rotation};
   return json;
@@ -149,13 +160,13 @@ SequenceAccuracy accuracyOf(const Json& json) {
   json.at("lost").get_to(a.lost);
   json.at("invalid").get_to(a.invalid);
   json.at("resets").get_to(a.resets);
-  json.at("wrong").get_to(a.wrong);
   json.at("standing").get_to(a.standing);
   json.at("standing_speed").get_to(a.standing_speed);
   if (const Json& end = json.at("standing_end"); !end.is_null())
     a.standing_end = EndError{end.at(0).get<double>(), end.at(1).get<double>()};
   a.evaluation = evaluationOf(json.at("evaluation"));
   a.consistency = {errorsOf(json.at("motion")), errorsOf(json.at("pose")), errorsOf(json.at("velocity"))};
+  a.validity = validityOf(json.at("validity"));
   json.at("times_ms").get_to(a.times_ms);
   return a;
 }

@@ -40,6 +40,7 @@ AccuracySettings settingsOf(const AblationOptions& options) {
   vo::OdometrySettings full;
   full.features = options.drives.features;
   settings.variants = ablatedVariants(full, options.variants);
+  settings.limits = options.common.limits;
   settings.cache = options.drives.cache;
   requireSequences(settings.data, settings.worlds);
   return settings;

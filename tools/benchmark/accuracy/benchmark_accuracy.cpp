@@ -101,6 +101,7 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
     settings.variants.back().odometry.features = options.features;
   }
   settings.bitrates_mbps = options.bitrates_mbps;
+  settings.limits = options.common.limits;
   settings.cache = options.cache;
   requireSequences(settings.data, settings.worlds);
   return settings;

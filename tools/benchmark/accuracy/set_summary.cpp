@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 void addWorld(SetSummary& summary, const SequenceAccuracy& accuracy) {
   summary.worlds.push_back(accuracy);
   summary.invalid += accuracy.invalid;
-  summary.wrong += accuracy.wrong;
+  summary.validity.add(accuracy.validity);
   const SegmentErrors& segments = accuracy.evaluation.short_segments.all;
   if (segments.count > 0 && (!summary.segment_worst || segments.translation > summary.segment_worst->value))
     summary.segment_worst = {segments.translation, accuracy.sequence};
@@ -78,7 +78,7 @@ std::string summaryLine(const SetSummary& summary) {
     line += "NEES motion " + fixed(summary.nees_lowest->value, 2) + " (" + summary.nees_lowest->world +
             ") to " + fixed(summary.nees_highest->value, 2) + " (" + summary.nees_highest->world + "); ";
   }
-  return line + std::to_string(summary.invalid) + " invalid, " + std::to_string(summary.wrong) + " wrong";
+  return line + std::to_string(summary.invalid) + " invalid; " + validityLine(summary.validity);
 }
 
 Json setSummaryJson(const SetSummary& summary) {
@@ -89,8 +89,8 @@ Json setSummaryJson(const SetSummary& summary) {
             {"segments_5_to_40_m_worst_percent", valueJson(summary.segment_worst, 100.0)},
             {"nees_motion_lowest", valueJson(summary.nees_lowest, 1.0)},
             {"nees_motion_highest", valueJson(summary.nees_highest, 1.0)},
-            {"invalid", summary.invalid},
-            {"wrong_while_valid", summary.wrong}};
+            {"invalid", summary.invalid}};
+  json.update(validityJson(summary.validity));
   if (summary.segment_mean) json["segments_5_to_40_m_geometric_mean_percent"] = 100.0 * *summary.segment_mean;
   return json;
 }

@@ -28,7 +28,7 @@ struct SetSummary {
   std::optional<WorldValue> segment_worst;
   std::optional<WorldValue> nees_lowest, nees_highest;  ///< of motions
   std::size_t invalid = 0;                              ///< pairs
-  std::size_t wrong = 0;                                ///< valid pairs with a wrong motion
+  ValidityFigures validity;                             ///< of all messages
 };
 
 /// One summary per estimator and set, in order of first occurrence.

@@ -55,6 +55,7 @@ OffsetSettings settingsOf(const OffsetOptions& options) {
   for (const std::string& name : options.models)
     settings.models.push_back(offsetModelNamed(name));
   settings.odometry.features = options.drives.features;
+  settings.limits = options.common.limits;
   settings.cache = options.drives.cache;
   return settings;
 }

@@ -79,14 +79,16 @@ class OffsetRun {
                            const vo::OdometrySettings& odometry) {
     observer_.begin({sequence.name + ": " + offsetModelName(model)});
     const daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
-    const Replay replay =
-        replayPairs(source, rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
+    const Replay replay = replayPairs(
+        source, rig, odometry,
+        [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
-        });
+        },
+        {}, nullptr, settings_.limits);
     if (replay.pairs.empty())
       throw std::runtime_error(
           sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");
-    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth);
+    SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth, settings_.limits);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
     accuracy.estimator = estimatorName(odometry.estimator);

@@ -45,6 +45,7 @@ struct OffsetSettings {
   std::vector<RightClock> clocks;
   std::vector<OffsetModel> models;
   vo::OdometrySettings odometry;
+  daemon::AlertLimits limits;   ///< of VALID messages, and above which they are counted
   std::filesystem::path cache;  ///< for rendered worlds
 };
 

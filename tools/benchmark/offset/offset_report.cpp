@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "tools/benchmark/grouping.hpp"
+#include "tools/benchmark/validity_cells.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -26,48 +27,41 @@ std::vector<std::string> cells(const OffsetAccuracy& one, const std::vector<Offs
   const SequenceAccuracy& a = one.accuracy;
   const Evaluation& e = a.evaluation;
   const ErrorCells errors = errorCells(e, ratiosOf(one, all));
-  return {one.sequence,
-          clockName(one.clock),
-          offsetModelName(one.model),
-          std::to_string(a.pairs),
-          errors.segments,
-          errors.segment_ratios,
-          errors.relative,
-          errors.relative_ratios,
-          e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,
-          std::to_string(a.invalid),
-          std::to_string(a.resets),
-          std::to_string(a.wrong),
-          neesCell(a.consistency.motion),
-          neesCell(a.consistency.pose)};
+  return withValidity(
+      {one.sequence, clockName(one.clock), offsetModelName(one.model), std::to_string(a.pairs),
+       errors.segments, errors.segment_ratios, errors.relative, errors.relative_ratios,
+       e.final_drift_fraction ? significant(100.0 * *e.final_drift_fraction) : kNoValue,
+       std::to_string(a.invalid), std::to_string(a.resets), neesCell(a.consistency.motion),
+       neesCell(a.consistency.pose)},
+      a.validity);
 }
 
 constexpr const char* kLegend =
     "right camera: its time offset, and how much slower its clock is. Errors of the left camera's path\n"
     "(cartvo-evaluate(1)): segments of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg), "
     "final drift.\n"
-    "x: as multiples of the errors of two-instants on the same sequence without a time offset. wrong: valid, "
-    "but off by\n"
-    "more than 5 cm or 0.5 deg and five standard deviations. NEES: mean of the squared error over its "
+    "x: as multiples of the errors of two-instants on the same sequence without a time offset. NEES: mean of "
+    "the squared error over its "
     "covariance, per\n"
     "dimension: 1 is consistent.\n";
 
 Json rowJson(const OffsetAccuracy& one, const std::vector<OffsetAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
-  return {{"sequence", one.sequence},
-          {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
-          {"offset_ms", 1e3 * one.clock.offset_s},
-          {"drift_ppm", one.clock.drift_ppm},
-          {"model", offsetModelName(one.model)},
-          {"pairs", a.pairs},
-          {"invalid", a.invalid},
-          {"lost", a.lost},
-          {"resets", a.resets},
-          {"wrong_while_valid", a.wrong},
-          {"evaluation", evaluationOfDrivesJson(a.evaluation)},
-          {"ratio_to_0_ms", ratiosJson(ratiosOf(one, all))},
-          {"nees_motion", neesJson(a.consistency.motion)},
-          {"nees_pose", neesJson(a.consistency.pose)}};
+  Json json{{"sequence", one.sequence},
+            {"kind", a.kind == SequenceKind::real ? "real" : "rendered"},
+            {"offset_ms", 1e3 * one.clock.offset_s},
+            {"drift_ppm", one.clock.drift_ppm},
+            {"model", offsetModelName(one.model)},
+            {"pairs", a.pairs},
+            {"invalid", a.invalid},
+            {"lost", a.lost},
+            {"resets", a.resets},
+            {"evaluation", evaluationOfDrivesJson(a.evaluation)},
+            {"ratio_to_0_ms", ratiosJson(ratiosOf(one, all))},
+            {"nees_motion", neesJson(a.consistency.motion)},
+            {"nees_pose", neesJson(a.consistency.pose)}};
+  json.update(validityJson(a.validity));
+  return json;
 }
 
 std::vector<OffsetAccuracy> withAllWorlds(std::vector<OffsetAccuracy> accuracies) {
@@ -114,12 +108,14 @@ std::string clockName(const RightClock& clock) {
 }
 
 std::string offsetTable(const std::vector<OffsetAccuracy>& accuracies, ReportFormat format) {
-  Table table({"sequence", "right camera", "model", "pairs", "5–40 m: % / deg/m", "x", "RPE: mm / deg", "x",
-               "drift, %", "invalid", "resets", "wrong", "NEES motion", "NEES pose"});
+  Table table(withValidityColumns({"sequence", "right camera", "model", "pairs", "5–40 m: % / deg/m", "x",
+                                   "RPE: mm / deg", "x", "drift, %", "invalid", "resets", "NEES motion",
+                                   "NEES pose"}));
   const std::vector<OffsetAccuracy> all = withAllWorlds(accuracies);
   for (const OffsetAccuracy& one : all)
     table.add(cells(one, all));
-  return table.as(format) + "\n" + kLegend;
+  const auto model = [](const OffsetAccuracy& one) { return offsetModelName(one.model); };
+  return table.as(format) + "\n" + validityTotals(accuracies, model) + "\n" + kLegend + kValidityLegend;
 }
 
 Json offsetJson(const std::vector<OffsetAccuracy>& accuracies) {

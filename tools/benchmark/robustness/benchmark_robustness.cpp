@@ -44,6 +44,7 @@ void run(const RobustnessOptions& options) {
   requireSequences(settings.data, settings.worlds);
   settings.disturbances = options.disturbances;
   settings.odometry.features = options.drives.features;
+  settings.limits = options.common.limits;
   settings.cache = options.drives.cache;
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
@@ -86,9 +87,9 @@ void addRobustnessBenchmark(CLI::App& benchmark) {
   command->footer(
       "Plays every real and rendered sequence as it is and with each disturbance, with `estimator: "
       "reprojection` and with\n"
-      "`estimator: thesis`. The last line counts the rows where the default is worse, and those with a wrong "
-      "motion that is\n"
-      "valid; both should be 0.\n"
+      "`estimator: thesis`. The last line counts the rows where the default is worse, and its VALID messages "
+      "above\n"
+      "an alert limit; both should be 0.\n"
       "Examples:\n"
       "  cartvo benchmark robustness --quick                              some minutes\n"
       "  cartvo benchmark robustness --scenarios none                     real images only\n"

@@ -136,7 +136,7 @@ void addJumps(const std::string& disturbance, std::int64_t first_ns, DisturbedSe
                    image = turned(image, left, frame.exposure_ns);
                  });
   result.rig.rig = jumps.rig;
-  result.truth = {jumps.truth, {}};
+  result.truth = {jumps.truth, {}, true};
 }
 
 /// Exchanges image files, or turns the right camera of the rig.

@@ -92,11 +92,13 @@ class RobustnessRun {
     odometry.estimator = estimator;
     observer_.begin({sequence.name + ", " + disturbance.name});
     const Replay replay = replayPairs(
-        played.source, played.rig, odometry, [&](const daemon::PairResult& result, std::size_t expected) {
+        played.source, played.rig, odometry,
+        [&](const daemon::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
-        });
+        },
+        {}, nullptr, settings_.limits);
     if (replay.pairs.empty()) return {};
-    return {measureAccuracy(replay, played.truth), errorsPerSecond(replay, played.truth)};
+    return {measureAccuracy(replay, played.truth, settings_.limits), errorsPerSecond(replay, played.truth)};
   }
 
   const RobustnessSettings& settings_;
@@ -117,7 +119,8 @@ double DisturbedAccuracy::error() const {
 
 bool RobustnessRow::isWorse() const {
   const SequenceAccuracy &a = reprojection.accuracy, &b = thesis.accuracy;
-  if (a.wrong != b.wrong || disturbance.kind == DisturbanceKind::rig) return a.wrong > b.wrong;
+  const std::size_t above = a.validity.above_limit, above_of_thesis = b.validity.above_limit;
+  if (above != above_of_thesis || disturbance.kind == DisturbanceKind::rig) return above > above_of_thesis;
   if (hasFewerValid(a, b)) return true;
   if (a.resets > b.resets && validPairs(a) <= validPairs(b)) return true;
   return exceeds(reprojection.errors_per_second, thesis.errors_per_second);

@@ -16,6 +16,7 @@ struct RobustnessSettings {
   std::vector<world::WorldSettings> worlds;
   std::vector<std::string> disturbances;  ///< names; "none" is always measured
   vo::OdometrySettings odometry;          ///< of both estimators
+  daemon::AlertLimits limits;             ///< of VALID messages, and above which they are counted
   std::filesystem::path cache;            ///< of rendered worlds
 };
 
@@ -36,10 +37,10 @@ struct RobustnessRow {
   DisturbedAccuracy reprojection, thesis;
   double untouched_error = 0.0;  ///< m, of `reprojection` on the untouched sequence
 
-  /// Whether `estimator: reprojection` is worse than `estimator: thesis` by a wrong valid pair; or,
-  /// if both have as many, by more than chance (two standard deviations) in the errors of the same seconds or
-  /// in the share of valid pairs, or by a new epoch that brings no more valid pairs. At gross faults only
-  /// wrong valid pairs count.
+  /// Whether `estimator: reprojection` is worse than `estimator: thesis` by a VALID message above
+  /// an alert limit; or, if both have as many, by more than chance (two standard deviations) in the errors of
+  /// the same seconds or in the share of valid pairs, or by a new epoch that brings no more valid pairs. At
+  /// gross faults only messages above a limit count.
   bool isWorse() const;
 };
 

@@ -5,23 +5,22 @@
 
 #include <fmt/format.h>
 
+#include "tools/benchmark/validity_cells.hpp"
+
 namespace cartvo::benchmark {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kLegend =
-    "valid: pairs with a valid motion, of all but the first. wrong: valid, but off by more than 5 cm or 0.5 "
-    "deg "
-    "and five\n"
-    "standard deviations. error: of the path over each second, root mean square, mm; a second without an "
+    "error: of the path over each second, root mean "
+    "square, mm; a second without an "
     "estimate counts\n"
     "with its whole motion. x: over the untouched sequence. worse: than `estimator: thesis`, by more than "
     "chance.\n";
 
-std::string validCell(const SequenceAccuracy& accuracy) {
-  const std::size_t all = std::max<std::size_t>(accuracy.pairs, 1) - 1;
-  return fmt::format("{} of {}", all - std::min(all, accuracy.invalid), all);
+std::string availableCell(const SequenceAccuracy& accuracy) {
+  return fixed(100.0 * accuracy.validity.availability(), 1);
 }
 
 std::string errorCell(const DisturbedAccuracy& one) {
@@ -38,13 +37,15 @@ std::vector<std::string> cells(const RobustnessRow& row) {
   const bool fault = row.disturbance.kind == DisturbanceKind::rig;
   return {row.sequence,
           row.disturbance.name,
-          validCell(a),
-          std::to_string(a.wrong),
+          std::to_string(a.validity.above_limit),
+          std::to_string(a.validity.above_bound),
+          availableCell(a),
+          fixed(a.validity.longest_gap, 2),
           std::to_string(a.resets),
           fault ? kNoValue : errorCell(row.reprojection),
           fault ? kNoValue : ratioCell(row),
-          validCell(b),
-          std::to_string(b.wrong),
+          availableCell(b),
+          std::to_string(b.validity.above_limit),
           std::to_string(b.resets),
           fault ? kNoValue : errorCell(row.thesis),
           row.isWorse() ? "worse" : ""};
@@ -54,31 +55,35 @@ std::size_t countWorse(const std::vector<RobustnessRow>& rows) {
   return std::count_if(rows.begin(), rows.end(), [](const RobustnessRow& row) { return row.isWorse(); });
 }
 
-std::size_t countWrong(const std::vector<RobustnessRow>& rows) {
-  return std::count_if(rows.begin(), rows.end(),
-                       [](const RobustnessRow& row) { return row.reprojection.accuracy.wrong > 0; });
+/// Of the default.
+ValidityFigures allMessages(const std::vector<RobustnessRow>& rows) {
+  ValidityFigures all;
+  for (const RobustnessRow& row : rows)
+    all.add(row.reprojection.accuracy.validity);
+  return all;
 }
 
 Json estimatorJson(const DisturbedAccuracy& one) {
   const SequenceAccuracy& accuracy = one.accuracy;
-  return {{"pairs", accuracy.pairs},
-          {"invalid", accuracy.invalid},
-          {"wrong_while_valid", accuracy.wrong},
-          {"resets", accuracy.resets},
-          {"error_per_second_m", one.errors_per_second.empty() ? Json(nullptr) : Json(one.error())},
-          {"errors_per_second_m", one.errors_per_second}};
+  Json json{{"pairs", accuracy.pairs},
+            {"invalid", accuracy.invalid},
+            {"resets", accuracy.resets},
+            {"error_per_second_m", one.errors_per_second.empty() ? Json(nullptr) : Json(one.error())},
+            {"errors_per_second_m", one.errors_per_second}};
+  json.update(validityJson(accuracy.validity));
+  return json;
 }
 
 }  // namespace
 
 std::string robustnessTable(const std::vector<RobustnessRow>& rows, ReportFormat format) {
-  Table table({"sequence", "disturbance", "valid", "wrong", "resets", "error", "x", "thesis: valid", "wrong",
-               "resets", "error", ""});
+  Table table({"sequence", "disturbance", "> limit", "> bound", "available, %", "gap, s", "resets", "error",
+               "x", "thesis: available, %", "> limit", "resets", "error", ""});
   for (const RobustnessRow& row : rows)
     table.add(cells(row));
-  return table.as(format) + "\n" + kLegend +
-         fmt::format("The default is worse than the thesis in {} of {} rows, and wrong while valid in {}.\n",
-                     countWorse(rows), rows.size(), countWrong(rows));
+  return table.as(format) + "\n" + kLegend + kValidityLegend +
+         fmt::format("The default is worse than the thesis in {} of {} rows. All its messages: {}\n",
+                     countWorse(rows), rows.size(), validityLine(allMessages(rows)));
 }
 
 Json robustnessJson(const std::vector<RobustnessRow>& rows) {
@@ -91,7 +96,7 @@ Json robustnessJson(const std::vector<RobustnessRow>& rows) {
                             {"untouched_error_m", row.untouched_error},
                             {"worse", row.isWorse()}});
   json["worse"] = countWorse(rows);
-  json["wrong_while_valid"] = countWrong(rows);
+  json.update(validityJson(allMessages(rows)));
   return json;
 }
 

@@ -67,6 +67,7 @@ SensitivitySettings settingsOf(const SensitivityOptions& options) {
   settings.sequences.data = dataFolder(options.common);
   settings.sequences.worlds = worldsOf(options);
   settings.sequences.bitrates_mbps = options.bitrates_mbps;
+  settings.sequences.limits = options.common.limits;
   settings.sequences.cache = options.drives.cache;
   settings.odometry.features = options.drives.features;
   settings.constants = options.constants;

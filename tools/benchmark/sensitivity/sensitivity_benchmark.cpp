@@ -56,7 +56,8 @@ double effectOf(const RelativeResult& result, const RelativeResult& chance) {
   return std::max({multiple(result.segments, chance.segments, kLeastRatio),
                    multiple(result.relative, chance.relative, kLeastRatio),
                    multiple(result.nees, chance.nees, kLeastRatio),
-                   multiple(result.invalid, chance.invalid, 1.0), multiple(result.wrong, chance.wrong, 1.0)});
+                   multiple(result.invalid, chance.invalid, 1.0),
+                   multiple(result.above_limit, chance.above_limit, 1.0)});
 }
 
 /// Runs variants on several threads and reports the progress of all together.
@@ -157,7 +158,8 @@ RelativeResult relativeTo(const std::vector<SequenceAccuracy>& reference,
     relative.add(after.relative_rotation, before.relative_rotation);
     nees.add(neesOf(changed[i]), neesOf(reference[i]));
     result.invalid += static_cast<int>(changed[i].invalid) - static_cast<int>(reference[i].invalid);
-    result.wrong += static_cast<int>(changed[i].wrong) - static_cast<int>(reference[i].wrong);
+    result.above_limit += static_cast<int>(changed[i].validity.above_limit) -
+                          static_cast<int>(reference[i].validity.above_limit);
   }
   result.segments = segments.mean();
   result.relative = relative.mean();
@@ -198,7 +200,7 @@ Sensitivity runSensitivityBenchmark(const SensitivitySettings& settings, const W
     widen(sensitivity.chance.relative, result.relative);
     widen(sensitivity.chance.nees, result.nees);
     sensitivity.chance.invalid = std::max(sensitivity.chance.invalid, std::abs(result.invalid));
-    sensitivity.chance.wrong = std::max(sensitivity.chance.wrong, std::abs(result.wrong));
+    sensitivity.chance.above_limit = std::max(sensitivity.chance.above_limit, std::abs(result.above_limit));
   }
   std::size_t next = chances;
   for (ConstantSensitivity& one : sensitivity.constants) {

@@ -26,7 +26,7 @@ struct RelativeResult {
   double relative = 0.0;  ///< errors from pair to pair, translation and rotation
   double nees = 0.0;      ///< normalised errors of motions
   int invalid = 0;        ///< additional invalid pairs
-  int wrong = 0;          ///< additional wrong motions
+  int above_limit = 0;    ///< additional VALID messages above an alert limit
 };
 
 /// Results of a constant below and above its default value; empty if its range does not permit the change.

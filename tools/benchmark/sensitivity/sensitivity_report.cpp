@@ -45,7 +45,7 @@ nlohmann::ordered_json toJson(const RelativeResult& result) {
           {"relative_percent", percentOf(result.relative)},
           {"nees_percent", percentOf(result.nees)},
           {"invalid", result.invalid},
-          {"wrong", result.wrong}};
+          {"above_limit", result.above_limit}};
 }
 
 nlohmann::ordered_json sideJson(double value, const std::optional<RelativeResult>& result) {
@@ -87,8 +87,8 @@ nlohmann::ordered_json constantsJson() {
 }
 
 std::string sensitivityTable(const Sensitivity& sensitivity, ReportFormat format) {
-  Table table({"constant", "default", "values", "segments %", "pair to pair %", "NEES %", "invalid", "wrong",
-               "effect"});
+  Table table({"constant", "default", "values", "segments %", "pair to pair %", "NEES %", "invalid",
+               "> limit", "effect"});
   for (const ConstantSensitivity& one : sensitivity.constants) {
     table.add({one.constant->name, numberOf(one.default_value),
                (one.low ? numberOf(one.low_value) : kNoValue) + " / " +
@@ -97,18 +97,20 @@ std::string sensitivityTable(const Sensitivity& sensitivity, ReportFormat format
                bothSides(one, [](const RelativeResult& side) { return signedPercent(side.relative); }),
                bothSides(one, [](const RelativeResult& side) { return signedPercent(side.nees); }),
                bothSides(one, [](const RelativeResult& side) { return signedCount(side.invalid); }),
-               bothSides(one, [](const RelativeResult& side) { return signedCount(side.wrong); }),
+               bothSides(one, [](const RelativeResult& side) { return signedCount(side.above_limit); }),
                fixed(one.effect, 1)});
   }
   const RelativeResult& chance = sensitivity.chance;
   table.add({"by chance", "", "", plusMinus(fixed(percentOf(chance.segments), 1)),
              plusMinus(fixed(percentOf(chance.relative), 1)), plusMinus(fixed(percentOf(chance.nees), 1)),
-             plusMinus(std::to_string(chance.invalid)), plusMinus(std::to_string(chance.wrong)), "1.0"});
+             plusMinus(std::to_string(chance.invalid)), plusMinus(std::to_string(chance.above_limit)),
+             "1.0"});
   return table.as(format) + "\n" +
          "Changes with the constant at its smaller and larger value, geometric means over all sequences (" +
          std::to_string(sensitivity.pairs) +
          " pairs):\nerrors of segments of 5 to 40 m, errors from pair to pair, normalised errors of motions, "
-         "invalid pairs\nand wrong motions. effect: the largest of them, in multiples of the largest change "
+         "invalid pairs\nand VALID messages above an alert limit. effect: the largest of them, in multiples "
+         "of the largest change "
          "by "
          "chance (other\nrandom subsets, 2 % fewer and more landmarks).\n";
 }

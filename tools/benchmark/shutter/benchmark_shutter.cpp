@@ -16,6 +16,7 @@
 #include "tools/benchmark/shutter/shutter_benchmark.hpp"
 #include "tools/benchmark/shutter/shutter_plot.hpp"
 #include "tools/benchmark/shutter/shutter_report.hpp"
+#include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/cartvo/result_files.hpp"
 
@@ -90,6 +91,7 @@ void run(const ShutterOptions& options) {
   for (const std::string& name : options.models)
     settings.models.push_back(readoutModelNamed(name));
   settings.odometry.features = options.drives.features;
+  settings.limits = options.common.limits;
   settings.cache = options.drives.cache;
   cv::setNumThreads(options.common.threads);
   WorkDisplay display;
@@ -161,6 +163,7 @@ void addShutterBenchmark(CLI::App& benchmark) {
       benchmark.add_subcommand("shutter", "Measure errors over the readout of rolling shutters");
   const auto options = std::make_shared<ShutterOptions>();
   addReportOptions(*command, options->common);
+  addAlertLimitsOption(*command, options->common.limits);
   addDriveOptions(*command, options->drives);
   addShutterOptions(*command, *options);
   addPlotOption(*command, options->plot, "errors over readouts and vibrations");

@@ -47,13 +47,13 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
       [&](const daemon::PairResult& result, std::size_t expected) {
         observer.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
       },
-      daemon::AbsentReadout::unknown);
+      daemon::AbsentReadout::unknown, nullptr, settings.limits);
   if (replay.pairs.empty())
     throw std::runtime_error(
         sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");
   ShutterAccuracy result;
   result.model = model;
-  result.accuracy = measureAccuracy(replay, sequence.truth);
+  result.accuracy = measureAccuracy(replay, sequence.truth, settings.limits);
   result.accuracy.kind = sequence.kind;
   result.accuracy.estimator = estimatorName(settings.odometry.estimator);
   result.rates = AngularRateErrors(replay, sequence.truth);

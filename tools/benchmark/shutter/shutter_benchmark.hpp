@@ -57,6 +57,7 @@ struct ShutterSettings {
   std::vector<ShutterCase> cases;
   std::vector<ReadoutModel> models;
   vo::OdometrySettings odometry;
+  daemon::AlertLimits limits;   ///< of VALID messages, and above which they are counted
   std::filesystem::path cache;  ///< for rendered worlds
 };
 

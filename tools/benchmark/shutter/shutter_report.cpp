@@ -8,6 +8,7 @@
 
 #include "common/units.hpp"
 #include "tools/benchmark/grouping.hpp"
+#include "tools/benchmark/validity_cells.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -21,30 +22,15 @@ std::string shakeName(const world::Shake& shake) {
   return text;
 }
 
-/// Share of the pairs after the first with an estimate.
-double validShare(const SequenceAccuracy& accuracy) {
-  return accuracy.pairs < 2
-             ? 0.0
-             : 1.0 - static_cast<double>(accuracy.invalid) / static_cast<double>(accuracy.pairs - 1);
-}
-
 std::vector<std::string> cells(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
   const ErrorCells errors = errorCells(a.evaluation, ratiosToGlobal(one, all));
-  return {one.sequence,
-          readoutName(one.seen.readout),
-          clockName(one.seen.clock),
-          shakeName(one.seen.shake),
-          readoutModelName(one.model),
-          errors.segments,
-          errors.segment_ratios,
-          errors.relative,
-          errors.relative_ratios,
-          neesCell(a.consistency.motion),
-          neesCell(a.consistency.velocity),
-          std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue,
-          fixed(100.0 * validShare(a), 1),
-          std::to_string(a.wrong)};
+  return withValidity(
+      {one.sequence, readoutName(one.seen.readout), clockName(one.seen.clock), shakeName(one.seen.shake),
+       readoutModelName(one.model), errors.segments, errors.segment_ratios, errors.relative,
+       errors.relative_ratios, neesCell(a.consistency.motion), neesCell(a.consistency.velocity),
+       std::isfinite(one.rates.relative()) ? fixed(100.0 * one.rates.relative(), 1) : kNoValue},
+      a.validity);
 }
 
 constexpr const char* kLegend =
@@ -56,8 +42,7 @@ constexpr const char* kLegend =
     "of 5 to 40 m (% and deg/m), from pair to pair (RPE, RMSE, mm and deg). x: as multiples of the errors\n"
     "with a global shutter on the same drive. NEES: mean of the squared error of motions and of\n"
     "published velocities over its covariance, per dimension: 1 is consistent. rates: RMS error of the\n"
-    "published angular velocity at the exposure over the RMS of the true one. wrong: valid, but off by more\n"
-    "than 5 cm or 0.5 deg and five standard deviations.\n";
+    "published angular velocity at the exposure over the RMS of the true one.\n";
 
 Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all) {
   const SequenceAccuracy& a = one.accuracy;
@@ -70,14 +55,13 @@ Json rowJson(const ShutterAccuracy& one, const std::vector<ShutterAccuracy>& all
             {"shake_deg", kDegreesPerRadian * one.seen.shake.amplitude},
             {"model", readoutModelName(one.model)},
             {"pairs", a.pairs},
-            {"valid_share", validShare(a)},
             {"resets", a.resets},
-            {"wrong_while_valid", a.wrong},
             {"evaluation", evaluationOfDrivesJson(a.evaluation)},
             {"ratio_to_global", ratiosJson(ratiosToGlobal(one, all))},
             {"nees_motion", neesJson(a.consistency.motion)},
             {"nees_velocity", neesJson(a.consistency.velocity)},
             {"relative_rate_error", nullptr}};
+  json.update(validityJson(a.validity));
   if (std::isfinite(one.rates.relative())) json["relative_rate_error"] = one.rates.relative();
   return json;
 }
@@ -123,12 +107,14 @@ std::string readoutName(const StereoReadout& readout) {
 }
 
 std::string shutterTable(const std::vector<ShutterAccuracy>& accuracies, ReportFormat format) {
-  Table table({"sequence", "readout", "right camera", "shaken", "model", "5–40 m: % / deg/m", "x",
-               "RPE: mm / deg", "x", "NEES motion", "NEES velocity", "rates, %", "valid, %", "wrong"});
+  Table table(
+      withValidityColumns({"sequence", "readout", "right camera", "shaken", "model", "5–40 m: % / deg/m", "x",
+                           "RPE: mm / deg", "x", "NEES motion", "NEES velocity", "rates, %"}));
   const std::vector<ShutterAccuracy> all = withAllWorlds(accuracies);
   for (const ShutterAccuracy& one : all)
     table.add(cells(one, all));
-  return table.as(format) + "\n" + kLegend;
+  const auto model = [](const ShutterAccuracy& one) { return "readout " + readoutModelName(one.model); };
+  return table.as(format) + "\n" + validityTotals(accuracies, model) + "\n" + kLegend + kValidityLegend;
 }
 
 Json shutterJson(const std::vector<ShutterAccuracy>& accuracies) {

@@ -26,7 +26,6 @@ SequenceAccuracy accuracyOf(const std::string& sequence, double error) {
   a.lost = 1;
   a.invalid = 2;
   a.resets = 3;
-  a.wrong = 4;
   a.standing = 5;
   a.standing_speed = error / 7.0;
   a.evaluation.method = AssociationMethod::time;
@@ -41,6 +40,7 @@ SequenceAccuracy accuracyOf(const std::string& sequence, double error) {
   a.standing_end = EndError{error / 13.0, error / 17.0};
   a.consistency.motion = {{{6.0 * error, 3}, {1.0, 1}}, 2};
   a.consistency.pose = {{{error, 9}}, 0};
+  a.validity = {100, 97, 96, 4, 6, error / 19.0, error / 23.0, error / 29.0};
   a.times_ms = {3.1, 10.0 / 3.0, 2.9};
   return a;
 }
@@ -87,7 +87,7 @@ TEST(AccuracySamples, OfADamagedFileAreRefused) {
   const std::string whole = toJson({1, 1, "", 700, {accuracyOf("first", 0.1)}}).dump();
   for (const std::string& text :
        {std::string(), std::string("[]"), std::string("{}"), whole.substr(0, whole.size() / 2),
-        std::string(R"({"cartvo_accuracy_samples": 2, "job": "one"})")}) {
+        std::string(R"({"cartvo_accuracy_samples": 3, "job": "one"})")}) {
     std::ofstream(folder / "1.json") << text;
     EXPECT_THAT(test::messageOf([&] { mergedSamples(folder.path()); }),
                 HasSubstr("1.json: no results of 'cartvo benchmark accuracy --samples'"))

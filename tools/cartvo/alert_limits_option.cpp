@@ -1,0 +1,53 @@
+// Alert limits on a command line.
+#include "tools/cartvo/alert_limits_option.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/units.hpp"
+
+namespace cartvo {
+namespace {
+
+void addOption(CLI::App& command, const std::string& description,
+               const std::function<void(const daemon::AlertLimits&)>& set) {
+  command
+      .add_option_function<std::vector<double>>(
+          "--alert-limits",
+          [set](const std::vector<double>& values) {
+            set({values[0], kRadiansPerDegree * values[1], values[2], kRadiansPerDegree * values[3]});
+          },
+          description)
+      ->delimiter(',')
+      ->expected(4)
+      ->check(CLI::Range(1e-3, 1e6))
+      ->type_name("V,RATE,MOTION,ROTATION");
+}
+
+}  // namespace
+
+void addAlertLimitsOption(CLI::App& command, std::optional<daemon::AlertLimits>& limits) {
+  addOption(command,
+            "Largest bounds of valid pairs: of velocity (m/s), angular rate (deg/s), translation (m) and "
+            "rotation (deg) over the last second; without it those of the recording's configuration, else "
+            "cartvod's",
+            [&limits](const daemon::AlertLimits& given) { limits = given; });
+}
+
+void addAlertLimitsOption(CLI::App& command, daemon::AlertLimits& limits) {
+  addOption(
+      command,
+      fmt::format("Errors above which a VALID message is counted, in a benchmark also the largest\n"
+                  "bounds with which it is VALID: of a velocity (m/s), an angular rate (deg/s), and of\n"
+                  "the motion (m) and rotation (deg) of the last second\n"
+                  "(default: those of cartvod, {:g},{:g},{:g},{:g})",
+                  limits.velocity, kDegreesPerRadian * limits.angular_rate, limits.motion,
+                  kDegreesPerRadian * limits.rotation),
+      [&limits](const daemon::AlertLimits& given) { limits = given; });
+}
+
+}  // namespace cartvo

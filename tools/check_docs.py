@@ -23,7 +23,7 @@ NOTEBOOK_READER = ROOT / "docs/accuracy.md"  # the only page that links to it
 PICTURES = ROOT / "docs/pictures"
 PICTURE_MOST_BYTES = 60_000
 HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
-HOW_IT_WORKS_MOST_WORDS = 2000
+HOW_IT_WORKS_MOST_WORDS = 3000
 FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|library|python|systemd|tests|tools|vo_core"
 MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 

@@ -35,7 +35,7 @@ enum class OdometryReason : std::uint8_t {
   none,                 ///< the estimate is valid
   first_pair,           ///< the first pair: no motion yet; the pose is the identity
   too_few_features,     ///< fewer features than validity.minimum_features: too little texture
-  too_few_matches,      ///< fewer tracked features with a depth than validity.minimum_matches
+  too_few_matches,      ///< too few tracked features with a depth (validity.minimum_matches) or in stereo
   too_few_inliers,      ///< no motion has enough inliers, or two motions fit the first two pairs
   high_residual,        ///< the best motion fits badly; `estimator: thesis` only
   time_step,            ///< the left exposure is not later than the previous one, or too much later: a new

@@ -194,7 +194,7 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
   T = withoutShift(T, *codec_shift_);
 }
 
-/// Rig calibration of the newest track, even if that track fails: a search for the pitch is not repeated
+/// What the running track has learnt, with the rig calibration of the newest track, even if that track fails: a search for the pitch is not repeated
 /// soon.
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
   if (!track_)

@@ -51,8 +51,6 @@ struct StereoShutters {
   Shutter left, right;
 
   bool areRolling() const { return left.isRolling() || right.isRolling(); }
-  /// Whether a readout is not known exactly.
-  bool areUncertain() const { return left.readout_stddev > 0.0 || right.readout_stddev > 0.0; }
 };
 
 /// Throws std::invalid_argument that names the first value out of range.

@@ -33,9 +33,9 @@ const QuantityWords& wordsOf(BoundedQuantity quantity) {
   return kWords[static_cast<std::size_t>(quantity)];
 }
 
-/// Bounds by the diagonal of a covariance, from `row` on.
-Eigen::Vector3d boundsOf(const vo::Matrix6d& covariance, int row) {
-  return kBoundFactor * covariance.diagonal().segment<3>(row).cwiseSqrt();
+/// Bounds by the diagonal of a covariance, from `row` on, and what is added to them.
+Eigen::Vector3d boundsOf(const vo::Matrix6d& covariance, int row, double added) {
+  return (kBoundFactor * covariance.diagonal().segment<3>(row).cwiseSqrt()).array() + added;
 }
 
 }  // namespace
@@ -91,10 +91,12 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
   add(estimate);
   const vo::Matrix6d Ad = vo::adjoint(T_body_rectified_);
   const vo::Matrix6d covariance = Ad * covarianceOfLastSecond() * Ad.transpose();
-  level.velocity = boundsOf(motion.twist_covariance, 0);
-  level.angular_rate = boundsOf(motion.twist_covariance, 3);
-  level.motion = boundsOf(covariance, 0);
-  level.rotation = boundsOf(covariance, 3);
+  const bool stands = estimate.reasons == vo::OdometryReason::zero_velocity;
+  const double by_jerk = stands ? 0.0 : kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
+  level.velocity = boundsOf(motion.twist_covariance, 0, by_jerk);
+  level.angular_rate = boundsOf(motion.twist_covariance, 3, by_jerk);
+  level.motion = boundsOf(covariance, 0, kMotionFloor);
+  level.rotation = boundsOf(covariance, 3, kRotationFloor);
   return level;
 }
 

@@ -8,8 +8,8 @@ namespace cartvo::daemon {
 namespace {
 
 constexpr double kForgettingFactor = 0.9;     // per pair
-constexpr double kInitialAcceleration = 2.0;  // m/s^2 and rad/s^2, prior standard deviation
-constexpr double kInitialJerk = 20.0;         // m/s^3 and rad/s^3, prior standard deviation
+constexpr double kInitialAcceleration = 4.0;  // m/s^2 and rad/s^2, prior standard deviation: a lively cart
+constexpr double kInitialJerk = 30.0;         // m/s^3 and rad/s^3, the same
 
 /// Second moment without the variance of the noise, axis by axis; correlations are kept.
 vo::Matrix6d withoutNoise(const vo::Matrix6d& moment, const vo::Vector6d& noise) {
@@ -20,7 +20,7 @@ vo::Matrix6d withoutNoise(const vo::Matrix6d& moment, const vo::Vector6d& noise)
 
 /// The prior counts as the first of the values.
 void updateMoment(Moment& moment, const vo::Vector6d& value) {
-  ++moment.values;
+  moment.values += 1.0;
   const double weight = std::max(1.0 - kForgettingFactor, 1.0 / moment.values);
   moment.mean += weight * (value * value.transpose() - moment.mean);
 }
@@ -35,16 +35,12 @@ Twist VelocityAtExposure::extrapolate(const Twist& mean, double time_step) {
   // Variance of a pose's error over h^2; the mean contains it twice.
   const vo::Vector6d noise = 0.5 * mean.covariance.diagonal();
   std::optional<vo::Vector6d> slope;
-  vo::Vector6d jerk = vo::Vector6d::Zero();
   double between = time_step;  // from the middle of the last time step to that of this one
   if (last_) {
     between = 0.5 * (time_step + last_->time_step);
     slope = (mean.value - last_->value) / between;
     updateMoment(acceleration_moment_, *slope);
-    if (last_slope_) {
-      jerk = (*slope - *last_slope_) / between;
-      updateMoment(jerk_moment_, jerk);
-    }
+    if (last_slope_) updateMoment(jerk_moment_, (*slope - *last_slope_) / between);
   }
   const double ahead = 0.5 * time_step;  // from the middle of the time step to the exposure
   const vo::Vector6d slope_noise = 6.0 * noise / (between * between);
@@ -66,10 +62,8 @@ Twist VelocityAtExposure::extrapolate(const Twist& mean, double time_step) {
   now.covariance = growth.asDiagonal() * mean.covariance * growth.asDiagonal();
   now.covariance += not_extrapolated.asDiagonal() * withoutNoise(acceleration_moment_.mean, slope_noise) *
                     not_extrapolated.asDiagonal();
-  // A kerb or a brake is no mean: the newest jerk counts where it is larger.
-  vo::Matrix6d jerk_moment = jerk_moment_.mean;
-  jerk_moment.diagonal() = jerk_moment.diagonal().cwiseMax(jerk.cwiseAbs2());
-  now.covariance += jerk_gain.asDiagonal() * withoutNoise(jerk_moment, jerk_noise) * jerk_gain.asDiagonal();
+  now.covariance +=
+      jerk_gain.asDiagonal() * withoutNoise(jerk_moment_.mean, jerk_noise) * jerk_gain.asDiagonal();
 
   last_ = Mean{mean.value, time_step};
   last_slope_ = slope;

@@ -16,8 +16,8 @@ struct Twist {
 
 /// Exponentially weighted mean of outer products.
 struct Moment {
-  vo::Matrix6d mean;  ///< at first a prior
-  int values = 1;     ///< in it, with the prior
+  vo::Matrix6d mean;    ///< at first a prior
+  double values = 1.0;  ///< in it, with the prior
 };
 
 /// Velocity at the exposure of a pair. A motion yields the mean velocity over the time step, which lags by

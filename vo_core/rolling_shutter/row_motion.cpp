@@ -14,7 +14,7 @@ constexpr int kIterations = 3;
 constexpr double kSmallDecrease = 0.01;  // of the cost, by a step that is far below the noise
 constexpr int kMotionSize = RowInformation::kSize;
 constexpr int kMotion = RowUnknowns::kMotion, kDepths = RowUnknowns::kDepths;
-constexpr int kReadout = RowUnknowns::kReadout, kUnknowns = RowUnknowns::kSize;
+constexpr int kReadout = RowUnknowns::kReadout;
 constexpr std::size_t kMinimumPoints = 15;
 
 constexpr int kEstimated = kReadout;  // all unknowns but the readout, which is considered

@@ -9,15 +9,15 @@ namespace {
 
 // s; no sensor of a camera reads its rows that fast: a shorter readout is that of a global shutter.
 constexpr double kShortestReadout = 5e-3;
-// s; none that is not stated is longer: 30 pictures a second leave no more time.
-constexpr double kLongestReadout = 45e-3;
+// s; that of a sensor of 25 pictures a second, and a margin.
+constexpr double kLongestUnknownReadout = 45e-3;
 // Images whose motions are made from common poses, so that they share errors: the poses of a polynomial.
 constexpr double kSharingImages = 5.0;
 // Images that the assumed scatter counts as, and over which it is averaged.
 constexpr double kAssumedFreedom = 50.0;
 // Random walk of a readout from image to image, in standard deviations of the model.
 constexpr double kDrift = 0.02;
-// Part of a change by which it may be too small: poses follow rows that are timed wrongly.
+// A change may fall short by this share of itself: poses follow rows that are timed wrongly.
 constexpr double kMissingShare = 0.4;
 
 double square(double value) {
@@ -29,30 +29,40 @@ double square(double value) {
 ReadoutEstimator::ReadoutEstimator(const Shutter& shutter, const SelfCalibrationSettings& settings)
     : known_(shutter.readout_stddev == 0.0),
       model_stddev_(settings.readout_model_stddev),
+      innovation_limit_(settings.innovation_limit),
+      prior_variance_(square(known_ ? settings.readout_stddev : shutter.readout_stddev)),
       used_(shutter.readout),
       estimate_(shutter.readout),
-      variance_(square(known_ ? settings.readout_stddev : shutter.readout_stddev)) {}
+      variance_(prior_variance_) {}
 
 bool ReadoutEstimator::update(const ReadoutEquation& equation) {
-  if (!(equation.information > 0.0) || !std::isfinite(equation.gradient)) return false;
-  addImage(used_ + equation.gradient / equation.information, kSharingImages / equation.information);
+  const double measured = used_ + equation.gradient / equation.information;
+  const double variance = kSharingImages / equation.information;
+  if (!(equation.information > 0.0) || !std::isfinite(measured) || !std::isfinite(variance)) return false;
+  addImage(measured, variance);
   // With each change all rows are timed anew, and what they told of the motion is lost.
-  if (known_ || (!isUnknown() && std::abs(estimate_ - used_) < stddev())) return false;
+  if (known_ || (!isUnknown() && std::abs(estimate_ - used_) < estimate().stddev)) return false;
   const double before = used_;
-  used_ = std::clamp(estimate_, 0.0, kLongestReadout);
-  if (used_ < kShortestReadout) used_ = 0.0;
+  used_ = std::clamp(estimate_, 0.0, kLongestUnknownReadout);
+  if (used_ < kShortestReadout && !isUnknown()) used_ = 0.0;
   return used_ != before;
 }
 
 /// Kalman update. `variance`: of the measured readout.
 void ReadoutEstimator::addImage(double measured, double variance) {
   variance_ += square(kDrift * model_stddev_);
-  const double innovation = measured - estimate_;
-  scatter_ += (square(innovation) / (variance + variance_) - scatter_) / (kAssumedFreedom + 1.0);
-  const double gain = variance_ / (variance_ + std::max(1.0, scatter_) * variance);
-  const double change = gain * innovation;
-  estimate_ += change;
-  variance_ = (1.0 - gain) * variance_ + square(kMissingShare * change);
+  const double relative = (measured - estimate_) / std::sqrt(variance + variance_);
+  // A vehicle that fills the image measures anything: beyond the limit an image counts as one at the limit.
+  const double share = std::min(1.0, innovation_limit_ / std::max(std::abs(relative), 1e-9));
+  scatter_ += (square(share * relative) - scatter_) / (kAssumedFreedom + 1.0);
+  const double gain = share * variance_ / (variance_ + std::max(1.0, scatter_) * variance);
+  const double change = gain * share * (measured - estimate_);
+  estimate_ = std::clamp(estimate_ + change, -kLongestUnknownReadout, kLongestUnknownReadout);
+  variance_ = std::min((1.0 - gain) * variance_ + square(kMissingShare * change), prior_variance_);
+}
+
+double ReadoutEstimator::stddev() const {
+  return known_ ? 0.0 : std::hypot(estimate().stddev, estimate_ - used_);
 }
 
 EstimateWithStddev ReadoutEstimator::estimate() const {

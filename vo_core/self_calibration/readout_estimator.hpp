@@ -12,7 +12,7 @@ namespace cartvo::vo {
 /// Estimates the readout of a camera (s) by a Kalman filter on how much the images differ from the readout
 /// that their rows are timed with. As long as the estimate is uncertain it is considered in the motions'
 /// covariances (S. Schmidt, "Application of state-space methods to navigation problems", 1966), and the rows
-/// tell no motion: these would make the motions that measure the readout.
+/// tell no motion: otherwise the readout would be measured by motions that it has itself shaped.
 ///
 /// Images that share errors of poses count as one; images that scatter more than stated count less.
 class ReadoutEstimator {
@@ -24,10 +24,9 @@ class ReadoutEstimator {
   bool update(const ReadoutEquation& equation);
 
   double used() const { return used_; }  ///< s, to time rows with; 0: a global shutter
-  /// s, of used(); 0 if known
-  double stddev() const { return known_ ? 0.0 : estimate().stddev; }
+  double stddev() const;                 ///< s, of used(); 0 if known
   /// Whether used() may be far off: the images have not shown it yet.
-  bool isUnknown() const { return stddev() > 3.0 * model_stddev_; }
+  bool isUnknown() const { return !known_ && estimate().stddev > 3.0 * model_stddev_; }
   /// What the images show, of a known readout, too.
   EstimateWithStddev estimate() const;
 
@@ -36,6 +35,8 @@ class ReadoutEstimator {
 
   bool known_;
   double model_stddev_;  ///< s, error of an estimate that no number of images reduces
+  double innovation_limit_;
+  double prior_variance_;  ///< s^2
   double used_, estimate_;
   double variance_;       ///< s^2, of estimate_, without the model's
   double scatter_ = 1.0;  ///< mean square of the innovations relative to their variances

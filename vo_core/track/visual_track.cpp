@@ -72,6 +72,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
                  learnt.still_regions,
                  {settings.rolling_shutter, settings.self_calibration.correlated_pairs},
                  PredictionErrors(settings.self_calibration.correlated_pairs)},
+      stereo_share_(learnt.stereo_share),
       last_exposure_ns_(first.left_exposure_ns),
       unambiguous_ns_(first.left_exposure_ns),
       draft_{{}, {}, estimates_},
@@ -80,6 +81,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
+  kept_landmarks_.reserve(timing_.mayRoll() ? settings.features : 0);
   {
     const StageScope stage(observer, Stage::detect);
     tracker_.replenish(landmarks_, *first.left, first.index);
@@ -174,7 +176,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   replenishLandmarks(pair, draft, motion, observer);
   const StageScope stage(observer, Stage::weights);
   if (still_stands) {
-    refreshStandstill(pair, draft, motion);
+    if (!lacksStereo(motion)) refreshStandstill(pair, draft, motion);
     return motion;
   }
   adjust(pair, draft, motion);

@@ -70,6 +70,9 @@ struct LearntByTracks {
   RigCalibrationFilter rig;
   ReadoutEstimators readouts;
   StillRegions still_regions;
+  /// Share of the landmarks that have a match in the right image, mean of the last pairs. At dusk few corners
+  /// of a first picture are found again, so a low share of one pair means nothing.
+  double stereo_share = 0.5;
 };
 
 /// Motion through an uninterrupted sequence of pairs: a sliding window of poses and the landmarks they share.
@@ -97,7 +100,9 @@ class VisualTrack {
   const RigCalibrationFilter& rig() const { return estimates_.rig; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
   const StillRegions& stillRegions() const { return estimates_.still_regions; }
-  LearntByTracks learnt() const { return {estimates_.rig, estimates_.readouts, estimates_.still_regions}; }
+  LearntByTracks learnt() const {
+    return {estimates_.rig, estimates_.readouts, estimates_.still_regions, stereo_share_};
+  }
   std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters that are known
 
  private:
@@ -169,7 +174,7 @@ class VisualTrack {
                                                 RigSide side);
   void addReadoutPoints(const Draft& draft, const ReadoutView& before, const ReadoutView& now, RigSide side);
   void updateReadouts(Draft& draft);
-  void timeAnew(Draft& draft);
+  void timeAnew(Draft& draft, bool left_changed);
   void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev, Draft& draft) const;
 
   // visual_track_adjustment.cpp
@@ -178,6 +183,7 @@ class VisualTrack {
   std::optional<Eigen::Isometry3d> motionByLongerReadouts(Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
+  bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
@@ -195,6 +201,7 @@ class VisualTrack {
   StandstillDetector standstill_;
   FrozenCameraDetector frozen_camera_;
   Estimates estimates_;  ///< changed by pairs with a valid motion, and by pitch_reinitialiser_
+  double stereo_share_;  ///< LearntByTracks::stereo_share
   bool standing_ = false;
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;

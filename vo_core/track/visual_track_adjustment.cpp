@@ -13,8 +13,13 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr int kMinimumFixedPoses = 3;   // with fewer poses only the newest one is free
+constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one is free
+// Least share of landmarks with a stereo match. Between unrelated pictures a fifth match by chance, as at
+// night where most corners are hot pixels, which keep their place in each picture and would show a
+// standstill.
+constexpr double kLeastStereoShare = 0.2;
 constexpr double kStopTolerance = 2.0;  // factor on the limits of a standstill, for the noise of a motion
+constexpr double kLongestStep = 0.1;    // s; the gate of an uncertain motion grows no more beyond
 constexpr double kMinimumRigChange =
     0.02;  // px, change of the rig's correction that requires a new adjustment
 
@@ -92,6 +97,16 @@ std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draf
   return poses[poses.size() - 2].T_world_camera.inverse() * poses.back().T_world_camera;
 }
 
+/// Whether so few landmarks match in stereo that these may do so by chance; sets the reason. The mean of the
+/// share is updated by each motion that is valid otherwise.
+bool VisualTrack::lacksStereo(TrackedMotion& motion) {
+  const double share = static_cast<double>(motion.counts.stereo) / std::max(motion.counts.detected, 1);
+  stereo_share_ += (share - stereo_share_) / settings_.self_calibration.correlated_pairs;
+  if (stereo_share_ >= kLeastStereoShare) return false;
+  motion.reason = OdometryReason::too_few_matches;
+  return true;
+}
+
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   draft.estimates = estimates_;
@@ -113,11 +128,16 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
+  if (draft.estimates.readouts.areUnknown() && !by_longer_readouts) {
+    motion.reason = OdometryReason::degenerate_geometry;
+    return;
+  }
   if (by_longer_readouts)
     motion.error.by_readout = vectorFromMotion(motion.T_previous_current.inverse() * *by_longer_readouts);
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
+  if (lacksStereo(motion)) return;
   motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
                                                     settings_.bundle.frames, settings_.uncertainty);
   if (motion.twist)
@@ -165,10 +185,12 @@ OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
   const ValiditySettings& validity = settings_.validity;
   if (!isPlausibleMotion(motion.T_previous_current, motion.time_step, validity))
     return OdometryReason::implausible_motion;
-  // A motion that is known less well than the cart's inertia lets expect it is no measurement.
-  const Vector6d stddev = motion.error.measured().diagonal().cwiseSqrt();
-  const double gate = settings_.pose_search.maximum_acceleration * motion.time_step * motion.time_step;
-  if (!(stddev.maxCoeff() <= gate)) return OdometryReason::degenerate_geometry;
+  // A motion whose uncertainty exceeds what the cart's acceleration could change is no measurement.
+  const Vector6d variances = motion.error.measured().diagonal();
+  const double step = std::min(motion.time_step, kLongestStep);
+  const double gate = settings_.pose_search.maximum_acceleration * step * step;
+  if (!variances.allFinite() || !(variances.maxCoeff() <= gate * gate))
+    return OdometryReason::degenerate_geometry;
   return OdometryReason::none;
 }
 

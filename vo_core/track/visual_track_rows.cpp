@@ -13,14 +13,12 @@ namespace {
 // Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
 // between its exposures.
 constexpr std::size_t kFirstWindow = 5;
-// Pairs from one measurement of a known readout, to check it, to the next.
+// Pairs from one measurement of a readout that is known, or has been shown, to the next.
 constexpr int kCheckInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
 constexpr int kReadoutNeighbours = 2;
-static_assert(kFirstWindow > 2 * kReadoutNeighbours);
 constexpr std::size_t kCorrectedPairs = 3;  // whose motions and row shifts are computed anew with each pair
-static_assert(kCorrectedPairs > kReadoutNeighbours);
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
 Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step,
@@ -148,8 +146,7 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   addRowPoints(draft);
   row_problem_.start = *draft.window.back().motion;
   const RowMotion found = row_motion_.estimate(row_problem_);
-  // Rows that are timed with a wrong readout would keep the motion that timed their map, whatever the poses
-  // say.
+  // With a wrong readout, rows confirm the motion with which their map was made, even against the poses.
   const bool use = found.converged && enough_pairs && !draft.estimates.readouts.left.isUnknown();
   if (use) {
     // The landmarks' bearings were moved by the motions about earlier exposures, whose errors are alike.
@@ -277,24 +274,26 @@ void VisualTrack::updateReadouts(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
   const int position = static_cast<int>(poses.size()) - 1 - kReadoutNeighbours;
   if (position < 2 * kReadoutNeighbours) return;
+  if (!timing_.isRolling()) draft.estimates.roughness.update(poses, last_stddev_);
   ReadoutEstimators& readouts = draft.estimates.readouts;
   const auto update = [&](RigSide side, ReadoutEstimator& readout) {
-    if (readout.stddev() == 0.0 && draft.window.back().index % kCheckInterval != 0) return false;
+    if (!readout.isUnknown() && draft.window.back().index % kCheckInterval != 0) return false;
     const auto measured = measureReadout(draft, poses, position, side);
     return measured && readout.update(*measured);
   };
   const bool left = update(RigSide::left, readouts.left), right = update(RigSide::right, readouts.right);
   if (!left && !right) return;
   timing_.setReadouts(readouts.left.used(), readouts.right.used());
-  timeAnew(draft);
+  timeAnew(draft, left);
 }
 
-/// Computes motions and row shifts of the whole window after a change of a readout.
-void VisualTrack::timeAnew(Draft& draft) {
+/// Computes motions and row shifts of the whole window after a change of a readout. `left_changed`: what the
+/// left rows told of the motions does not hold any more.
+void VisualTrack::timeAnew(Draft& draft, bool left_changed) {
   const TimedPoses poses = timedPoses(draft.window);
   for (std::size_t i = 0; i < draft.window.size(); ++i) {
     WindowFrame& pair = draft.window[i];
-    pair.row_information = {};
+    if (left_changed) pair.row_information = {};
     pair.rows.reset();
     pair.motion.reset();
     if (timing_.isRolling()) updateMotion(poses, static_cast<int>(i), last_stddev_, draft);

@@ -53,27 +53,30 @@ ProtectionLevel levelAfter(ProtectionLevels& levels, int count, const vo::Odomet
   return level;
 }
 
-TEST(ProtectionLevel, OfAVelocityIsAMultipleOfItsStandardDeviation) {
+TEST(ProtectionLevel, OfAVelocityIsAMultipleOfItsStandardDeviationAndAKerb) {
   ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
   const vo::OdometryEstimate estimate = estimateWithNoise(motionAhead(0.3));
   BodyMotion motion = bodyMotion(estimate, Eigen::Isometry3d::Identity());
   motion.twist_covariance = vo::Vector6d(0.01, 0.04, 0.09, 0.0001, 0.0004, 0.0009).asDiagonal();
   const ProtectionLevel level = levels.update(estimate, motion);
-  EXPECT_NEAR(level.velocity.x(), kBoundFactor * 0.1, 1e-12);
-  EXPECT_NEAR(level.velocity.z(), kBoundFactor * 0.3, 1e-12);
-  EXPECT_NEAR(level.angular_rate.y(), kBoundFactor * 0.02, 1e-12);
+  const double by_kerb = kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
+  EXPECT_NEAR(level.velocity.x(), kBoundFactor * 0.1 + by_kerb, 1e-12);
+  EXPECT_NEAR(level.velocity.z(), kBoundFactor * 0.3 + by_kerb, 1e-12);
+  EXPECT_NEAR(level.angular_rate.y(), kBoundFactor * 0.02 + by_kerb, 1e-12);
 }
 
 TEST(ProtectionLevel, GrowsOverTheLastSecondOnly) {
   ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
   const vo::OdometryEstimate standing = estimateWithNoise(motionAhead(0.0));
-  EXPECT_NEAR(levelAfter(levels, 1, standing).motion.x(), kBoundFactor * kTranslationStddev, 1e-12);
-  EXPECT_NEAR(levelAfter(levels, 3, standing).motion.x(), kBoundFactor * 2.0 * kTranslationStddev, 1e-12)
+  EXPECT_NEAR(levelAfter(levels, 1, standing).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
+              1e-12);
+  EXPECT_NEAR(levelAfter(levels, 3, standing).motion.x(),
+              kMotionFloor + kBoundFactor * 2.0 * kTranslationStddev, 1e-12)
       << "four independent motions";
   const double of_a_second = kBoundFactor * std::sqrt(10.0) * kTranslationStddev;
-  EXPECT_NEAR(levelAfter(levels, 20, standing).motion.x(), of_a_second, 1e-12);
-  EXPECT_NEAR(levelAfter(levels, 1, standing).rotation.y(), kBoundFactor * std::sqrt(10.0) * kRotationStddev,
-              1e-12);
+  EXPECT_NEAR(levelAfter(levels, 20, standing).motion.x(), kMotionFloor + of_a_second, 1e-12);
+  EXPECT_NEAR(levelAfter(levels, 1, standing).rotation.y(),
+              kRotationFloor + kBoundFactor * std::sqrt(10.0) * kRotationStddev, 1e-12);
 }
 
 TEST(ProtectionLevel, HasTheSidewaysErrorOfAHeadingThatIsOff) {
@@ -83,8 +86,8 @@ TEST(ProtectionLevel, HasTheSidewaysErrorOfAHeadingThatIsOff) {
   double variance = 10.0 * kTranslationStddev * kTranslationStddev;
   for (int behind = 0; behind < 10; ++behind)
     variance += std::pow(behind * kStep * kRotationStddev, 2);
-  EXPECT_NEAR(level.motion.y(), kBoundFactor * std::sqrt(variance), 1e-12);
-  EXPECT_NEAR(level.motion.x(), kBoundFactor * std::sqrt(10.0) * kTranslationStddev, 1e-12);
+  EXPECT_NEAR(level.motion.y(), kMotionFloor + kBoundFactor * std::sqrt(variance), 1e-12);
+  EXPECT_NEAR(level.motion.x(), kMotionFloor + kBoundFactor * std::sqrt(10.0) * kTranslationStddev, 1e-12);
 }
 
 TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
@@ -96,7 +99,7 @@ TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
   const ProtectionLevel level = levelAfter(levels, 10, estimate);
   const double independent = 10.0 * (kTranslationStddev * kTranslationStddev + kByOffset * kByOffset);
   const double common = std::pow(10.0 * kByOffset, 2) + std::pow(10.0 * kScale * kStep, 2);
-  EXPECT_NEAR(level.motion.x(), kBoundFactor * std::sqrt(independent + common), 1e-9);
+  EXPECT_NEAR(level.motion.x(), kMotionFloor + kBoundFactor * std::sqrt(independent + common), 1e-9);
 }
 
 TEST(ProtectionLevel, BeginsAnewWithAnEpochAndGoesOnBehindAGap) {
@@ -105,11 +108,14 @@ TEST(ProtectionLevel, BeginsAnewWithAnEpochAndGoesOnBehindAGap) {
   levelAfter(levels, 4, estimate);
   vo::OdometryEstimate lost;
   EXPECT_TRUE(levelAfter(levels, 1, lost).motion.array().isNaN().all());
-  EXPECT_NEAR(levelAfter(levels, 5, estimate).motion.x(), kBoundFactor * 3.0 * kTranslationStddev, 1e-12);
+  EXPECT_NEAR(levelAfter(levels, 5, estimate).motion.x(),
+              kMotionFloor + kBoundFactor * 3.0 * kTranslationStddev, 1e-12);
   estimate.reset_counter = 1;
-  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kBoundFactor * kTranslationStddev, 1e-12);
+  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
+              1e-12);
   estimate.time_step = 1.4;
-  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kBoundFactor * kTranslationStddev, 1e-12)
+  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
+              1e-12)
       << "one motion over a gap of more than a second";
 }
 
@@ -161,7 +167,7 @@ TEST(ProtectionLevel, FitsErrorsDrawnWithDriftOnABend) {
   ProtectionLevels levels(T_body_camera, 0.0, settings);
   const ProtectionLevel level = levelAfter(levels, 10, estimateWithNoise(drawn.step()));
   vo::Vector6d bounds;
-  bounds << level.motion, level.rotation;
+  bounds << level.motion.array() - kMotionFloor, level.rotation.array() - kRotationFloor;
 
   constexpr int kDraws = 4000;
   vo::Vector6d squares = vo::Vector6d::Zero();

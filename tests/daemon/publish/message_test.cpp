@@ -56,7 +56,7 @@ TEST(OdometryMessage, HoldsEstimateInMicrosecondsAndBodyAxes) {
   EXPECT_DOUBLE_EQ(message.angular_rate_bound[1], 0.002);
   EXPECT_DOUBLE_EQ(message.motion_bound[2], 0.03);
   EXPECT_DOUBLE_EQ(message.rotation_bound[0], 0.002);
-  EXPECT_EQ(message.quality, 76) << "0.12 of 0.5 m/s";
+  EXPECT_EQ(message.quality, 77) << "0.006 rad of 1.5 deg";
   EXPECT_EQ(message.source_id, 0) << "a replay's";
   EXPECT_EQ(message.crc32, 0);
   EXPECT_TRUE(std::isnan(message.acceleration_body[0]) &&

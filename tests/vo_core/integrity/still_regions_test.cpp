@@ -55,6 +55,26 @@ TEST(StillRegions, AreAbsentFromAnUnobstructedView) {
     EXPECT_TRUE(estimate.still_regions.empty());
 }
 
+/// Where hardly any landmark is found in the right image, those that are may be so by chance, as between hot
+/// pixels of a dark night: they are not asked how far the cart goes.
+TEST(StereoMatches, AreNeededByAFifthOfTheLandmarks) {
+  static const test::CorridorWorld world(1);
+  OdometrySettings settings;
+  settings.features = 400;
+  settings.rig_refinement = RigRefinement::off;
+  StereoOdometry odometry(kCamera, settings);
+  NullStageObserver observer;
+  const int shown = kCamera.height / 10;  // px, upper part of the right image
+  for (int i = 0; i < kPairs; ++i) {
+    const Eigen::Isometry3d pose(Eigen::Translation3d(0.0, 0.0, kStep * i));
+    StereoImages images = world.render(kCamera, pose, i * kPeriod);
+    if (i > 4) images.right.rowRange(shown, kCamera.height).setTo(90);
+    const bool valid = odometry.process(images, observer).valid;
+    if (i > 0 && i < 6) EXPECT_TRUE(valid) << i;
+    if (i > 30) EXPECT_FALSE(valid) << i;
+  }
+}
+
 /// A departure with a part of the cart in view, which fits the standstill, as the far end of the corridor
 /// does: pairs are INVALID until the landmarks of the stand show the motion, and no way is lost.
 class PartOfTheCartInView : public testing::TestWithParam<double> {};

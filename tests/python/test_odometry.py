@@ -59,7 +59,7 @@ def test_pair_processor_gives_what_replay_gives(drive):
 
 def test_pair_processor_holds_bounds_to_the_alert_limits(drive):
     limits = cartvo.AlertLimits()
-    assert limits.velocity == 0.3 and limits.rotation == pytest.approx(np.radians(1.5))
+    assert limits.velocity == 0.7 and limits.rotation == pytest.approx(np.radians(1.5))
     limits.velocity = 1e-9
     recording = cartvo.Recording(drive / "images")
     processor = cartvo.PairProcessor(recording.rig, alert_limits=limits)

@@ -72,7 +72,7 @@ class VisualTrackTest : public testing::Test {
  protected:
   VisualTrack begin(const OdometrySettings& settings = smallSettings(), const StereoShutters& shutters = {}) {
     return VisualTrack(kCamera, settings, RowTiming(kCamera, shutters), prepared(drivePair(0), 0),
-                       {RigCalibrationFilter({}, shutters), StillRegions(kCamera)}, reinitialiser_,
+                       {RigCalibrationFilter(), {shutters, {}}, StillRegions(kCamera)}, reinitialiser_,
                        observer_);
   }
   TrackedMotion show(VisualTrack& track, const StereoImages& images, int index) {
@@ -357,7 +357,7 @@ TEST_F(VisualTrackTest, StartsWithTheGivenRigCalibration) {
     return track.rigCalibrationError().value().pitch.value;
   };
   const VisualTrack track(kCamera, smallSettings(), RowTiming(kCamera, {}), prepared(drivePair(0), 0),
-                          {known, StillRegions(kCamera)}, reinitialiser_, observer_);
+                          {known, {{}, {}}, StillRegions(kCamera)}, reinitialiser_, observer_);
   EXPECT_EQ(pitch_of(track), 1e-3);
   VisualTrack driven = begin();
   for (int i = 1; i < 7; ++i)

@@ -57,7 +57,8 @@ void ReadoutEstimator::addImage(double measured, double variance) {
   scatter_ += (square(share * relative) - scatter_) / (kAssumedFreedom + 1.0);
   const double gain = share * variance_ / (variance_ + std::max(1.0, scatter_) * variance);
   const double change = gain * share * (measured - estimate_);
-  estimate_ = std::clamp(estimate_ + change, -kLongestUnknownReadout, kLongestUnknownReadout);
+  estimate_ += change;
+  if (!known_) estimate_ = std::clamp(estimate_, -kLongestUnknownReadout, kLongestUnknownReadout);
   variance_ = std::min((1.0 - gain) * variance_ + square(kMissingShare * change), prior_variance_);
 }
 

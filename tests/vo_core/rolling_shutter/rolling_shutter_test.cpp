@@ -51,8 +51,7 @@ struct Drive {
 struct Errors {
   double translation = 0.0, rotation = 0.0, rates = 0.0;
   double consistency = 0.0;
-  double largest_velocity_error =
-      0.0;  ///< m/s, of all valid pairs whose rows tell a twist, from the start on
+  double largest_velocity_error = 0.0;  ///< m/s, mean over a pair, of all valid pairs from the start on
   int valid = 0;
   std::optional<ReadoutEstimates> readouts;
 };
@@ -68,21 +67,20 @@ Errors errorsOf(const Drive& drive, const StereoShutters& shutters) {
     const double time = i * kPeriod;
     const OdometryEstimate estimate = odometry.process(drive.images(world, time), observer);
     errors.readouts = estimate.readouts;
-    constexpr double kStep = 1e-4;  // s
-    const Vector6d truth =
-        vectorFromMotion(drive.pose(time - kStep).inverse() * drive.pose(time + kStep)) / (2.0 * kStep);
-    if (estimate.twist)
-      errors.largest_velocity_error =
-          std::max(errors.largest_velocity_error, (estimate.twist->value - truth).head<3>().norm());
-    if (i < kSettledPairs || !estimate.valid) continue;
-    ++errors.valid;
+    if (!estimate.valid) continue;
     const Eigen::Isometry3d now = drive.pose(time);
     const Vector6d error =
         vectorFromMotion(estimate.T_previous_current.inverse() * drive.pose(time - kPeriod).inverse() * now);
+    errors.largest_velocity_error = std::max(errors.largest_velocity_error, error.head<3>().norm() / kPeriod);
+    if (i < kSettledPairs) continue;
+    ++errors.valid;
     errors.translation += error.head<3>().squaredNorm();
     errors.rotation += error.tail<3>().squaredNorm();
     errors.consistency += error.dot(estimate.motion_covariance.ldlt().solve(error)) / 6.0;
     if (!estimate.twist) continue;
+    constexpr double kStep = 1e-4;  // s
+    const Vector6d truth =
+        vectorFromMotion(drive.pose(time - kStep).inverse() * drive.pose(time + kStep)) / (2.0 * kStep);
     errors.rates += (estimate.twist->value - truth).tail<3>().squaredNorm();
   }
   for (double* sum : {&errors.translation, &errors.rotation, &errors.rates})

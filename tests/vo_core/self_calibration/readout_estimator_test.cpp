@@ -56,12 +56,34 @@ TEST(ReadoutEstimator, TrustsImagesLessThatScatterMoreThanStated) {
   EXPECT_NEAR(scattering.used(), kUsual, 3.0 * scattering.stddev());
 }
 
+/// A vehicle that fills the image, or a polynomial that a gap spoils.
+TEST(ReadoutEstimator, ForgetsAnImageThatMeasuresNonsense) {
+  ReadoutEstimator readout = after(40, kUsual);
+  readout.update(imageOf(1.0, 0.0004, readout));
+  EXPECT_NEAR(readout.used(), kUsual, 0.013);
+  EXPECT_LE(readout.stddev(), kUnknown + 0.001);
+  for (int i = 0; i < 40; ++i)
+    readout.update(imageOf(kUsual, 0.002, readout));
+  EXPECT_NEAR(readout.used(), kUsual, 0.003);
+  EXPECT_FALSE(readout.isUnknown());
+}
+
+TEST(ReadoutEstimator, StatesWhatItsLimitsLeaveOut) {
+  const ReadoutEstimator readout = after(200, 0.06);
+  EXPECT_LE(readout.used(), 0.045);
+  EXPECT_NEAR(after(200, 0.004).stddev(), 0.004, 0.001) << "a global shutter that is none";
+}
+
 TEST(ReadoutEstimator, StaysWithinTheReadoutsOfCameras) {
   EXPECT_EQ(after(100, -0.5).used(), 0.0);
   EXPECT_LE(after(100, 0.5).used(), 0.045);
 }
 
 TEST(ReadoutEstimator, ChecksAKnownReadoutButKeepsIt) {
+  ReadoutEstimator upside_down({-0.032, 0.0, {}}, {});
+  upside_down.update(imageOf(0.02, 0.002, upside_down));
+  EXPECT_EQ(upside_down.used(), -0.032);
+
   ReadoutEstimator readout({0.03, 0.0, {}}, {});
   for (int i = 0; i < 100; ++i)
     EXPECT_FALSE(readout.update(imageOf(0.027, 0.002, readout)));

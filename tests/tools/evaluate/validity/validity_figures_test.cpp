@@ -169,7 +169,7 @@ TEST(EvaluateCommand, JudgesTheMessagesOfAnOdometryFile) {
   const std::string files = (folder / "odometry.csv").string() + " " + (folder / "truth.tum").string();
   const test::CommandResult text = test::runCartvo("evaluate " + files);
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_THAT(text.output, AllOf(HasSubstr("VALID above an alert limit         1 of 50 (0.3 m/s, 3 deg/s"),
+  EXPECT_THAT(text.output, AllOf(HasSubstr("VALID above an alert limit         1 of 50 (0.7 m/s, 12 deg/s"),
                                  HasSubstr("VALID above their bound            0 of 50"),
                                  HasSubstr("50 of 50, 100.00 %, longest gap 0.10 s")));
   const test::CommandResult wide = test::runCartvo("evaluate --json --alert-limits 2,3,0.15,1.5 --messages " +

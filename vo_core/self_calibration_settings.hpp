@@ -2,7 +2,7 @@
 
 namespace cartvo::vo {
 
-/// Self-calibration of the rig (RigCalibrationFilter) and its readouts (ReadoutEstimator). Angles in rad; lens coefficients and the baseline's
+/// Self-calibration of the rig (RigCalibrationFilter). Angles in rad; lens coefficients and the baseline's
 /// direction in normalised coordinates.
 struct SelfCalibrationSettings {
   // Standard deviations of what is not yet measured.

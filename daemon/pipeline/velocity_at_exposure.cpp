@@ -8,8 +8,8 @@ namespace cartvo::daemon {
 namespace {
 
 constexpr double kForgettingFactor = 0.9;     // per pair
-constexpr double kInitialAcceleration = 4.0;  // m/s^2 and rad/s^2, prior standard deviation: a lively cart
-constexpr double kInitialJerk = 30.0;         // m/s^3 and rad/s^3, the same
+constexpr double kInitialAcceleration = 2.5;  // m/s^2 and rad/s^2, prior standard deviation: a lively cart
+constexpr double kInitialJerk = 20.0;         // m/s^3 and rad/s^3, the same
 
 /// Second moment without the variance of the noise, axis by axis; correlations are kept.
 vo::Matrix6d withoutNoise(const vo::Matrix6d& moment, const vo::Vector6d& noise) {

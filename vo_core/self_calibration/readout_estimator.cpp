@@ -20,6 +20,9 @@ constexpr double kDrift = 0.02;
 // A change may fall short by this share of itself: poses follow rows that are timed wrongly.
 constexpr double kMissingShare = 0.4;
 
+// Standard deviations by which the readouts of two cameras must differ before they count as different.
+constexpr double kSignificance = 3.0;
+
 double square(double value) {
   return value * value;
 }
@@ -35,17 +38,11 @@ ReadoutEstimator::ReadoutEstimator(const Shutter& shutter, const SelfCalibration
       estimate_(shutter.readout),
       variance_(prior_variance_) {}
 
-bool ReadoutEstimator::update(const ReadoutEquation& equation) {
+void ReadoutEstimator::update(const ReadoutEquation& equation) {
   const double measured = used_ + equation.gradient / equation.information;
   const double variance = kSharingImages / equation.information;
-  if (!(equation.information > 0.0) || !std::isfinite(measured) || !std::isfinite(variance)) return false;
-  addImage(measured, variance);
-  // With each change all rows are timed anew, and what they told of the motion is lost.
-  if (known_ || (!isUnknown() && std::abs(estimate_ - used_) < estimate().stddev)) return false;
-  const double before = used_;
-  used_ = std::clamp(estimate_, 0.0, kLongestUnknownReadout);
-  if (used_ < kShortestReadout && !isUnknown()) used_ = 0.0;
-  return used_ != before;
+  if (equation.information > 0.0 && std::isfinite(measured) && std::isfinite(variance))
+    addImage(measured, variance);
 }
 
 /// Kalman update. `variance`: of the measured readout.
@@ -62,12 +59,33 @@ void ReadoutEstimator::addImage(double measured, double variance) {
   variance_ = std::min((1.0 - gain) * variance_ + square(kMissingShare * change), prior_variance_);
 }
 
+void ReadoutEstimator::use(double estimate, bool is_shown) {
+  if (known_) return;
+  used_ = std::clamp(estimate, 0.0, kLongestUnknownReadout);
+  if (used_ < kShortestReadout && is_shown) used_ = 0.0;
+}
+
 double ReadoutEstimator::stddev() const {
   return known_ ? 0.0 : std::hypot(estimate().stddev, estimate_ - used_);
 }
 
 EstimateWithStddev ReadoutEstimator::estimate() const {
   return {estimate_, std::hypot(std::sqrt(variance_), model_stddev_)};
+}
+
+bool ReadoutEstimators::choose() {
+  const double before_left = left.used(), before_right = right.used();
+  const bool are_shown = !areUnknown();
+  const double sum = left.variance_ + right.variance_, difference = left.estimate_ - right.estimate_;
+  if (!left.known_ && !right.known_ && square(difference) < square(kSignificance) * sum) {
+    const double common = (right.variance_ * left.estimate_ + left.variance_ * right.estimate_) / sum;
+    left.use(common, are_shown);
+    right.use(common, are_shown);
+  } else {
+    left.use(left.estimate_, !left.isUnknown());
+    right.use(right.estimate_, !right.isUnknown());
+  }
+  return left.used() != before_left || right.used() != before_right;
 }
 
 }  // namespace cartvo::vo

@@ -5,7 +5,7 @@
 #include "vo_core/self_calibration_settings.hpp"
 #include "vo_core/shutter.hpp"
 
-// A readout that nobody has stated.
+// A readout that is not stated.
 
 namespace cartvo::vo {
 
@@ -20,8 +20,8 @@ class ReadoutEstimator {
   /// A known readout (`shutter.readout_stddev` is 0) is measured to check it, and stays.
   ReadoutEstimator(const Shutter& shutter, const SelfCalibrationSettings& settings);
 
-  /// Adds the equation of an image whose rows were timed with used(). Returns whether used() has changed.
-  bool update(const ReadoutEquation& equation);
+  /// Adds the equation of an image whose rows were timed with used().
+  void update(const ReadoutEquation& equation);
 
   double used() const { return used_; }  ///< s, to time rows with; 0: a global shutter
   double stddev() const;                 ///< s, of used(); 0 if known
@@ -31,7 +31,11 @@ class ReadoutEstimator {
   EstimateWithStddev estimate() const;
 
  private:
+  friend struct ReadoutEstimators;
   void addImage(double measured, double variance);
+  /// Times rows with the estimate (s), within the readouts of cameras; with none if it is shown that it is
+  /// short.
+  void use(double estimate, bool is_shown);
 
   bool known_;
   double model_stddev_;  ///< s, error of an estimate that no number of images reduces
@@ -48,6 +52,11 @@ struct ReadoutEstimators {
 
   ReadoutEstimators(const StereoShutters& shutters, const SelfCalibrationSettings& settings)
       : left(shutters.left, settings), right(shutters.right, settings) {}
+
+  /// Times rows with the newest estimates. Unknown readouts that do not differ significantly count as one: a
+  /// difference between the cameras would change all disparities. Returns whether used() of a camera has
+  /// changed.
+  bool choose();
   bool areUnknown() const { return left.isUnknown() || right.isUnknown(); }
   ReadoutEstimates estimates() const { return {left.estimate(), right.estimate()}; }
 };

@@ -174,7 +174,7 @@ class VisualTrack {
                                                 RigSide side);
   void addReadoutPoints(const Draft& draft, const ReadoutView& before, const ReadoutView& now, RigSide side);
   void updateReadouts(Draft& draft);
-  void timeAnew(Draft& draft, bool left_changed);
+  void timeAnew(Draft& draft, bool rows_hold);
   void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev, Draft& draft) const;
 
   // visual_track_adjustment.cpp

@@ -13,7 +13,11 @@ namespace {
 // Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
 // between its exposures.
 constexpr std::size_t kFirstWindow = 5;
-// Pairs from one measurement of a readout that is known, or has been shown, to the next.
+// Changes of velocity by rows that count, in those that the cart can make between two pairs: rows scatter.
+constexpr double kRowsBeyondPoses = 3.0;
+// Share of the left readout by which it may change without loss of what its rows have told of motions.
+constexpr double kSmallChange = 0.1;
+// Pairs from one measurement of a known readout, to check it, to the next.
 constexpr int kCheckInterval = 4;
 // Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
 // better known motion, and a readout times a wrong motion would be a wrong readout.
@@ -277,23 +281,24 @@ void VisualTrack::updateReadouts(Draft& draft) {
   if (!timing_.isRolling()) draft.estimates.roughness.update(poses, last_stddev_);
   ReadoutEstimators& readouts = draft.estimates.readouts;
   const auto update = [&](RigSide side, ReadoutEstimator& readout) {
-    if (!readout.isUnknown() && draft.window.back().index % kCheckInterval != 0) return false;
-    const auto measured = measureReadout(draft, poses, position, side);
-    return measured && readout.update(*measured);
+    if (readout.stddev() == 0.0 && draft.window.back().index % kCheckInterval != 0) return;
+    if (const auto measured = measureReadout(draft, poses, position, side)) readout.update(*measured);
   };
-  const bool left = update(RigSide::left, readouts.left), right = update(RigSide::right, readouts.right);
-  if (!left && !right) return;
+  update(RigSide::left, readouts.left);
+  update(RigSide::right, readouts.right);
+  const double before = readouts.left.used();
+  if (!readouts.choose()) return;
   timing_.setReadouts(readouts.left.used(), readouts.right.used());
-  timeAnew(draft, left);
+  timeAnew(draft, std::abs(readouts.left.used() - before) < kSmallChange * before);
 }
 
-/// Computes motions and row shifts of the whole window after a change of a readout. `left_changed`: what the
-/// left rows told of the motions does not hold any more.
-void VisualTrack::timeAnew(Draft& draft, bool left_changed) {
+/// Computes motions and row shifts of the whole window after a change of a readout. `rows_hold`: what the
+/// left rows have told of the motions still holds.
+void VisualTrack::timeAnew(Draft& draft, bool rows_hold) {
   const TimedPoses poses = timedPoses(draft.window);
   for (std::size_t i = 0; i < draft.window.size(); ++i) {
     WindowFrame& pair = draft.window[i];
-    if (left_changed) pair.row_information = {};
+    if (!rows_hold) pair.row_information = {};
     pair.rows.reset();
     pair.motion.reset();
     if (timing_.isRolling()) updateMotion(poses, static_cast<int>(i), last_stddev_, draft);
@@ -318,7 +323,8 @@ void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vect
   pair.motion = pair.rows->of(expected);
   const auto by_rows = (pair.motion->velocity - expected.velocity).cwiseAbs();
   const double step = std::abs(parabolaTimes(poses, position).near);
-  if (step == 0.0 || by_rows.maxCoeff() <= settings_.pose_search.maximum_acceleration * step) return;
+  const double limit = kRowsBeyondPoses * settings_.pose_search.maximum_acceleration * step;
+  if (step == 0.0 || by_rows.maxCoeff() <= limit) return;
   pair.row_information = {};
   pair.rows.emplace(pair.row_information, prior);
   pair.motion = expected;

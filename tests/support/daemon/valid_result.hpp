@@ -8,7 +8,7 @@ namespace cartvo::test {
 
 constexpr int kEthernetFrame = 1400;  ///< bytes of a message that LCM sends unfragmented
 
-/// Result of a pair that is valid, with bounds below their default limits, the worst one 0.006 rad of 1.5 deg.
+/// Result of a pair that is valid: bounds below their default limits, the worst one 0.006 rad of 1.5 deg.
 inline daemon::PairResult validResult() {
   daemon::PairResult result;
   result.left = {1'000'000'500'000, 1'000'020'000'000, 1'000'025'000'000, 7};

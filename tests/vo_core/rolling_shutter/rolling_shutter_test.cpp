@@ -113,7 +113,7 @@ TEST(RollingShutter, OfUnsynchronisedCamerasIsModelled) {
   EXPECT_LT(rolling.rotation, 0.3 * ignored.rotation);
 }
 
-constexpr double kUnknownStddev = 0.0128;  // s, of a readout that nobody has stated
+constexpr double kUnknownStddev = 0.0128;  // s, of a readout that is not stated
 
 TEST(RollingShutter, WhoseReadoutIsUnknownIsEstimated) {
   const Errors errors = errorsOf({}, shuttersOf(0.028, kUnknownStddev));

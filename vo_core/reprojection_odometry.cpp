@@ -280,6 +280,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
   estimate.T_previous_current = motion.T_previous_current;
   estimate.motion_covariance = motion.error.covariance();
   estimate.motion_offset_error = motion.error.by_offset;
+  estimate.motion_readout_error = motion.error.by_readout;
   estimate.twist = motion.twist;
   return estimate;
 }

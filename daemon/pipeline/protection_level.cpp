@@ -101,9 +101,10 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
 }
 
 void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
-  const vo::Vector6d& by_offset = estimate.motion_offset_error;
-  motions_.push_back({estimate.time_step, estimate.T_previous_current,
-                      estimate.motion_covariance - by_offset * by_offset.transpose(), by_offset});
+  const vo::Vector6d &by_offset = estimate.motion_offset_error, &by_readout = estimate.motion_readout_error;
+  const vo::Matrix6d common = by_offset * by_offset.transpose() + by_readout * by_readout.transpose();
+  motions_.push_back({estimate.time_step, estimate.T_previous_current, estimate.motion_covariance - common,
+                      by_offset, by_readout});
   double duration = 0.0;
   for (const Motion& motion : motions_)
     duration += motion.time_step;
@@ -113,24 +114,28 @@ void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
   }
 }
 
-/// In the axes of the rectified camera. An error of the time offset is common to all motions, and counts as
-/// an independent one in each too, so that it does not cancel when the cart turns left and right, as in the
-/// core. An error of the rig's scale makes all distances too long by the same fraction.
+/// In the axes of the rectified camera. An error of the time offset or of readouts is common to all motions,
+/// and counts as an independent one in each too, so that it does not cancel when the cart turns left and
+/// right, as in the core. An error of the rig's scale makes all distances too long by the same fraction.
 vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
   vo::PoseUncertainty uncertainty;
   // The first motions of a track are uncertain because they are the first, not because they drift.
   uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
-  vo::Vector6d by_offset = vo::Vector6d::Zero();
+  vo::Vector6d by_offset = vo::Vector6d::Zero(), by_readout = vo::Vector6d::Zero();
   Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
   for (const Motion& motion : motions_) {
     uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current,
                                   {.pairs = 1, .noise = motion.noise, .patch_motion = 1.0}, uncertainty_);
-    uncertainty.pose += motion.offset_error * motion.offset_error.transpose();
-    by_offset = vo::adjoint(motion.T_previous_current.inverse()) * by_offset + motion.offset_error;
+    uncertainty.pose += motion.offset_error * motion.offset_error.transpose() +
+                        motion.readout_error * motion.readout_error.transpose();
+    const vo::Matrix6d carried = vo::adjoint(motion.T_previous_current.inverse());
+    by_offset = carried * by_offset + motion.offset_error;
+    by_readout = carried * by_readout + motion.readout_error;
     T_start_current = T_start_current * motion.T_previous_current;
   }
   const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);
-  return uncertainty.pose + by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
+  return uncertainty.pose + by_offset * by_offset.transpose() + by_readout * by_readout.transpose() +
+         by_scale * by_scale.transpose();
 }
 
 }  // namespace cartvo::daemon

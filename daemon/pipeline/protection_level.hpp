@@ -82,8 +82,8 @@ class ProtectionLevels {
   struct Motion {
     double time_step = 0.0;
     Eigen::Isometry3d T_previous_current;
-    vo::Matrix6d noise;         ///< covariance without the error by the time offset
-    vo::Vector6d offset_error;  ///< OdometryEstimate::motion_offset_error
+    vo::Matrix6d noise;  ///< covariance without the errors by the time offset and the readouts
+    vo::Vector6d offset_error, readout_error;  ///< OdometryEstimate::motion_offset_error, ...
   };
 
   void add(const vo::OdometryEstimate& estimate);

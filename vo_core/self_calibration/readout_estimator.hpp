@@ -27,6 +27,8 @@ class ReadoutEstimator {
   double stddev() const;                 ///< s, of used(); 0 if known
   /// Whether used() may be far off: the images have not shown it yet.
   bool isUnknown() const { return !known_ && estimate().stddev > 3.0 * model_stddev_; }
+  /// Whether the error of used() matters beside that which no number of images reduces.
+  bool isUncertain() const { return stddev() > 1.25 * model_stddev_; }
   /// What the images show, of a known readout, too.
   EstimateWithStddev estimate() const;
 
@@ -58,6 +60,7 @@ struct ReadoutEstimators {
   /// changed.
   bool choose();
   bool areUnknown() const { return left.isUnknown() || right.isUnknown(); }
+  bool areUncertain() const { return left.isUncertain() || right.isUncertain(); }
   ReadoutEstimates estimates() const { return {left.estimate(), right.estimate()}; }
 };
 

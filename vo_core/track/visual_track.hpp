@@ -165,6 +165,7 @@ class VisualTrack {
   void predictMotion(const PreparedPair& pair, Draft& draft);
   void addRowNoise(const Draft& draft);
   std::optional<Matrix6d> estimateRowMotion(Draft& draft);
+  Matrix6d errorOfFirstRows(std::size_t pairs) const;
   std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
   void updateRowConsistency(Draft& draft) const;
   void concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const;

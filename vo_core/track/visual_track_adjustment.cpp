@@ -113,7 +113,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   std::optional<Matrix6d> by_rows;
   if (timing_.isRolling()) by_rows = estimateRowMotion(draft);
   std::optional<Eigen::Isometry3d> by_longer_readouts;
-  if (draft.estimates.readouts.areUnknown()) by_longer_readouts = motionByLongerReadouts(draft);
+  if (draft.estimates.readouts.areUncertain()) by_longer_readouts = motionByLongerReadouts(draft);
   const BundleResult result = adjustWithRig(draft);
   if (!result.converged) {
     motion.reason = OdometryReason::degenerate_geometry;
@@ -128,13 +128,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  if (draft.estimates.readouts.areUnknown() && !by_longer_readouts) {
+  if (draft.estimates.readouts.areUncertain() && !by_longer_readouts) {
     motion.reason = OdometryReason::degenerate_geometry;
     return;
   }
   if (by_longer_readouts)
     motion.error.by_readout = vectorFromMotion(motion.T_previous_current.inverse() * *by_longer_readouts);
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
+  if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;

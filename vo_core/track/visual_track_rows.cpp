@@ -194,6 +194,17 @@ void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, Track
   motion.error.by_rows = factor * by_rows;
 }
 
+/// What the unknown motion about the first exposures of a track adds to the covariance of a motion: rows were
+/// moved by a speed and a rate that were not known.
+Matrix6d VisualTrack::errorOfFirstRows(std::size_t pairs) const {
+  constexpr double kRowShare = 0.3;  // RMS of the rows' shares of the readout
+  if (pairs >= kFirstWindow || pairs < 2) return Matrix6d::Zero();
+  const double time = 2.0 * timing_.range() * kRowShare / static_cast<double>(pairs - 1);
+  Vector6d stddev = Vector6d::Constant(time * settings_.rolling_shutter.unknown_velocity);
+  stddev.tail<3>().setConstant(time * settings_.self_calibration.unknown_rate_stddev);
+  return stddev.cwiseAbs2().asDiagonal();
+}
+
 /// Position in the window of the first pair whose motion and row shifts are not up to date: older poses and
 /// motions hardly change.
 std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) const {

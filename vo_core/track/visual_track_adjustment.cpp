@@ -20,6 +20,8 @@ constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one i
 constexpr double kLeastStereoShare = 0.2;
 constexpr double kStopTolerance = 2.0;  // factor on the limits of a standstill, for the noise of a motion
 constexpr double kLongestStep = 0.1;    // s; the gate of an uncertain motion grows no more beyond
+// 1/s, relative change of the scale: 2.2 % where a readout of 32 ms is ignored (docs/rolling-shutter.md).
+constexpr double kScaleByReadout = 0.7;
 constexpr double kMinimumRigChange =
     0.02;  // px, change of the rig's correction that requires a new adjustment
 
@@ -27,6 +29,17 @@ constexpr double kMinimumRigChange =
 double differenceOf(const RigCorrection& a, const RigCorrection& b) {
   return std::abs(a.yaw - b.yaw) + std::abs(a.p2 - b.p2) + std::abs(a.pitch - b.pitch) +
          std::abs(a.roll - b.roll);
+}
+
+/// Error of a motion for one standard deviation of the readouts, from the motion that longer readouts make.
+/// The scale of the map, which poses before the motion share, is part of it.
+Vector6d errorByReadouts(const Eigen::Isometry3d& motion, const Eigen::Isometry3d& by_longer,
+                         const ReadoutEstimators& readouts) {
+  const double stddev = std::max(readouts.left.stddev(), readouts.right.stddev());
+  Vector6d error = vectorFromMotion(motion.inverse() * by_longer);
+  const Eigen::Vector3d by_scale = kScaleByReadout * stddev * motion.translation();
+  error.head<3>() += error.head<3>().dot(by_scale) < 0.0 ? -by_scale : by_scale;
+  return error;
 }
 
 /// Sets priors on published, still free poses with `weight` times their information.
@@ -133,7 +146,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     return;
   }
   if (by_longer_readouts)
-    motion.error.by_readout = vectorFromMotion(motion.T_previous_current.inverse() * *by_longer_readouts);
+    motion.error.by_readout =
+        errorByReadouts(motion.T_previous_current, *by_longer_readouts, draft.estimates.readouts);
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);

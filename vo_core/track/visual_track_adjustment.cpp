@@ -90,12 +90,12 @@ BundleResult VisualTrack::adjustWithRig(Draft& draft) {
 /// The newest motion if both readouts were longer by one standard deviation: what they do to it is the
 /// difference from the motion itself. Nothing if the adjustment does not converge.
 std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draft) {
-  const auto factorOf = [](const ReadoutEstimator& readout) {
+  const auto factor_of = [](const ReadoutEstimator& readout) {
     const double share = readout.used() == 0.0 ? 0.0 : readout.stddev() / std::abs(readout.used());
     return static_cast<float>(1.0 + share);
   };
-  const float left = factorOf(draft.estimates.readouts.left),
-              right = factorOf(draft.estimates.readouts.right);
+  const float left = factor_of(draft.estimates.readouts.left),
+              right = factor_of(draft.estimates.readouts.right);
   kept_landmarks_ = draft.landmarks;
   for (Landmark& landmark : draft.landmarks) {
     for (Observation& observation : landmark.observations) {

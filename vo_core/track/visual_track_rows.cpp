@@ -197,7 +197,7 @@ void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, Track
 /// What the unknown motion about the first exposures of a track adds to the covariance of a motion: rows were
 /// moved by a speed and a rate that were not known.
 Matrix6d VisualTrack::errorOfFirstRows(std::size_t pairs) const {
-  constexpr double kRowShare = 0.3;  // RMS of the rows' shares of the readout
+  constexpr double kRowShare = 0.15;  // of the readout: half of the rows' RMS, whose errors partly cancel
   if (pairs >= kFirstWindow || pairs < 2) return Matrix6d::Zero();
   const double time = 2.0 * timing_.range() * kRowShare / static_cast<double>(pairs - 1);
   Vector6d stddev = Vector6d::Constant(time * settings_.rolling_shutter.unknown_velocity);
@@ -218,7 +218,7 @@ std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) 
 std::optional<ReadoutEquation> VisualTrack::measureReadout(const Draft& draft, const TimedPoses& poses,
                                                            int position, RigSide side) {
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
-  const auto viewOf = [&](int at) {
+  const auto view_of = [&](int at) {
     ExposureMotion motion = motionByPolynomial(poses, at, at - kReadoutNeighbours, at + kReadoutNeighbours);
     Eigen::Isometry3d T_world_camera = poses[at].T_world_camera;
     if (side == RigSide::right) {
@@ -227,7 +227,7 @@ std::optional<ReadoutEquation> VisualTrack::measureReadout(const Draft& draft, c
     }
     return ReadoutView{draft.window[at].index, T_world_camera, motion};
   };
-  const ReadoutView before = viewOf(position - kReadoutNeighbours), now = viewOf(position);
+  const ReadoutView before = view_of(position - kReadoutNeighbours), now = view_of(position);
   setRowProblem(now.motion, 2.0 * draft.estimates.roughness.variances(poses, position, last_stddev_));
   row_problem_.start = now.motion;
   addReadoutPoints(draft, before, now, side);
@@ -247,13 +247,13 @@ void VisualTrack::addReadoutPoints(const Draft& draft, const ReadoutView& before
     T_before_anchor.push_back(before.T_world_camera.inverse() * frame.T_world_camera);
   const RigCorrection rig = draft.estimates.rig.correction();
   const bool right = side == RigSide::right;
-  const auto pixelOf = [&](const Observation& seen) {
+  const auto pixel_of = [&](const Observation& seen) {
     return right ? correctedRight(camera_, rig, seen.right()) : seen.left;
   };
-  const auto shareOf = [&](const Observation& seen) {
+  const auto share_of = [&](const Observation& seen) {
     return right ? timing_.rightShare(seen.right()) : timing_.leftShare(seen.left);
   };
-  const auto instantOf = [&](const Observation& seen) {
+  const auto instant_of = [&](const Observation& seen) {
     return right ? timing_.right(seen.right()) : timing_.left(seen.left);
   };
   for (const Landmark& landmark : draft.landmarks) {
@@ -267,14 +267,14 @@ void VisualTrack::addReadoutPoints(const Draft& draft, const ReadoutView& before
         landmark.inverse_depth * T_before_anchor[*anchor].translation();
     RowPoint point;
     point.inverse_depth = landmark.inverse_depth / std::max(place.z(), kNearestRay);
-    point.bearing = bearingOf(camera_, pixelAtExposure(camera_, before.motion, instantOf(*first),
-                                                       pixelOf(*first), point.inverse_depth));
-    point.pixel = pixelOf(*last);
-    point.instant = instantOf(*last);
-    point.share = shareOf(*last);
+    point.bearing = bearingOf(camera_, pixelAtExposure(camera_, before.motion, instant_of(*first),
+                                                       pixel_of(*first), point.inverse_depth));
+    point.pixel = pixel_of(*last);
+    point.instant = instant_of(*last);
+    point.share = share_of(*last);
     point.ray = T_now_before.linear() * point.bearing + point.inverse_depth * T_now_before.translation();
     point.ray_by_inverse_depth = T_now_before.translation();
-    point.ray_by_readout = rayByAnchorMotion(T_now_before, shareOf(*first) * before.motion.velocity, point);
+    point.ray_by_readout = rayByAnchorMotion(T_now_before, share_of(*first) * before.motion.velocity, point);
     point.inverse_depth_information = landmark.information;
     point.relative_noise = last->relative_noise;
     point.weight = landmark.poseWeight();

@@ -162,13 +162,13 @@ TEST(HealthMessage, NamesTheWorstBoundOfTheLastSecond) {
   HealthMonitor monitor{{}};
   PairResult result = validResult();
   monitor.addPair(result, odometryMessage(result));
-  for (const double bound : {0.3, 0.42, 0.31}) {
+  for (const double bound : {0.7, 0.82, 0.71}) {
     result.level.velocity.x() = bound;
     result.worst = worstBound(result.level, {});
     monitor.addPair(result, odometryMessage(result));
   }
   const health_t health = monitor.summarise({}, snapshot(1));
-  EXPECT_EQ(health.bound_exceeded, "forward velocity is known to 0.42 m/s, alert limit 0.30 m/s");
+  EXPECT_EQ(health.bound_exceeded, "forward velocity is known to 0.82 m/s, alert limit 0.70 m/s");
   EXPECT_EQ(health.estimates_valid, 1);
   EXPECT_EQ(health.estimates_invalid, 3);
   EXPECT_EQ(monitor.summarise({}, snapshot(1)).bound_exceeded, "");

@@ -107,7 +107,7 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
 
 TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {
   const AlertLimits defaults = read(kMinimal).alert_limits;
-  EXPECT_NEAR(defaults.angular_rate, 0.0523599, 1e-6);
+  EXPECT_NEAR(defaults.angular_rate, 0.2094395, 1e-6);
   const Configuration configuration = read(
       std::string(kMinimal) + "odometry: {alert_limits: {velocity: 0.5, angular_rate: 90, rotation: 3}}\n");
   EXPECT_EQ(configuration.alert_limits.velocity, 0.5);
@@ -115,7 +115,7 @@ TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {
   EXPECT_EQ(configuration.alert_limits.motion, defaults.motion);
   EXPECT_NEAR(configuration.alert_limits.rotation, 0.0523599, 1e-6);
   EXPECT_THAT(effectiveConfiguration(configuration),
-              AllOf(HasSubstr("velocity: 0.5"), HasSubstr("angular_rate: 90"), HasSubstr("motion: 0.15"),
+              AllOf(HasSubstr("velocity: 0.5"), HasSubstr("angular_rate: 90"), HasSubstr("motion: 0.2"),
                     HasSubstr("rotation: 3")));
 }
 

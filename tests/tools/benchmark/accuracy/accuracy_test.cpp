@@ -143,11 +143,11 @@ TEST(Accuracy, OverconfidentOdometryIsAboveTheBand) {
 }
 
 TEST(Accuracy, CountsMessagesAboveALimitWhateverTheyState) {
-  // 2 m/s off for one message, and 20 cm for all whose last second has that motion.
+  // 2 m/s off for one message, and 20 cm, just the limit, for all whose last second has that motion.
   const ValidityFigures validity = accuracyOf(50, {.noise = 0.0, .off_at = 20}).validity;
   EXPECT_EQ(validity.messages, 50u);
   EXPECT_EQ(validity.valid, 49u);
-  EXPECT_EQ(validity.above_limit, 10u);
+  EXPECT_EQ(validity.above_limit, 1u);
   EXPECT_EQ(validity.above_bound, 0u) << "they state 100 m/s";
   EXPECT_NEAR(validity.velocity_error, 2.0, 0.05);
 }

@@ -67,7 +67,7 @@ def test_pair_processor_holds_bounds_to_the_alert_limits(drive):
         result = processor.process(pair)
         assert not result.valid
     assert result.reasons[-1] == "bound above its alert limit" and result.quality == 0 and result.camera.valid
-    assert "velocity is known to 0.0" in result.bound_exceeded
+    assert "velocity is known to 0.2" in result.bound_exceeded
     assert np.all(result.velocity_bound > limits.velocity) and np.all(np.isnan(result.velocity))
 
 

@@ -45,10 +45,36 @@ py::bytes encode(const Message& message) {
   return bytes;
 }
 
+void bindBounds(py::class_<odometry_t>& message) {
+  using Message = odometry_t;
+  message
+      .def_property_readonly(
+          "acceleration", [](const Message& self) { return toArray(self.acceleration_body, 3); },
+          "m/s^2 in body axes; NaN: not estimated")
+      .def_property_readonly(
+          "acceleration_covariance",
+          [](const Message& self) { return toSquareArray(self.acceleration_covariance_body, 3); }, "3x3")
+      .def_property_readonly(
+          "velocity_bound", [](const Message& self) { return toArray(self.velocity_bound, 3); },
+          "m/s: errors of velocity exceed it with a probability of at most 1e-4 a message; NaN if INVALID, "
+          "except for 'bound above its alert limit', as are the next three")
+      .def_property_readonly(
+          "angular_rate_bound", [](const Message& self) { return toArray(self.angular_rate_bound, 3); },
+          "rad/s, of angular_velocity")
+      .def_property_readonly(
+          "motion_bound", [](const Message& self) { return toArray(self.motion_bound, 3); },
+          "m, of the translation over the last second, in body axes")
+      .def_property_readonly(
+          "rotation_bound", [](const Message& self) { return toArray(self.rotation_bound, 3); },
+          "rad, of the rotation over the last second");
+}
+
 void bindOdometryMessage(py::module_& module) {
   using Message = odometry_t;
-  py::class_<Message>(module, "OdometryMessage",
-                      "A message of the channel CARTVO_ODOMETRY. Body axes: x forward, y left, z up.")
+  py::class_<Message> message(
+      module, "OdometryMessage",
+      "A message of the channel CARTVO_ODOMETRY. Body axes: x forward, y left, z up.");
+  message
       .def_property_readonly(
           "status",
           [](const Message& self) { return self.status == Message::VALID ? Status::valid : Status::invalid; })
@@ -86,29 +112,11 @@ void bindOdometryMessage(py::module_& module) {
           "twist_covariance",
           [](const Message& self) { return toSquareArray(self.twist_covariance_body, 6); },
           "6x6 of velocity, then angular velocity; NaN if INVALID")
-      .def_property_readonly(
-          "acceleration", [](const Message& self) { return toArray(self.acceleration_body, 3); },
-          "m/s^2 in body axes; NaN: not estimated")
-      .def_property_readonly(
-          "acceleration_covariance",
-          [](const Message& self) { return toSquareArray(self.acceleration_covariance_body, 3); }, "3x3")
-      .def_property_readonly(
-          "velocity_bound", [](const Message& self) { return toArray(self.velocity_bound, 3); },
-          "m/s: errors of velocity exceed it with a probability of at most 1e-4 a message; NaN if INVALID, "
-          "except for 'bound above its alert limit', as are the next three")
-      .def_property_readonly(
-          "angular_rate_bound", [](const Message& self) { return toArray(self.angular_rate_bound, 3); },
-          "rad/s, of angular_velocity")
-      .def_property_readonly(
-          "motion_bound", [](const Message& self) { return toArray(self.motion_bound, 3); },
-          "m, of the translation over the last second, in body axes")
-      .def_property_readonly(
-          "rotation_bound", [](const Message& self) { return toArray(self.rotation_bound, 3); },
-          "rad, of the rotation over the last second")
       .def_readonly("features", &Message::features)
       .def_readonly("tracked", &Message::tracked)
       .def_readonly("inliers", &Message::inliers)
       .def("encode", &encode<Message>, "the bytes of the message");
+  bindBounds(message);
 }
 
 py::array_t<double> vectorOf(const float (&values)[3]) {

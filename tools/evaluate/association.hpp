@@ -34,7 +34,7 @@ class InterpolatedTruth {
   std::int64_t period_ns() const { return period_ns_; }
 
   /// Widest gap between two poses that is interpolated, ns.
-  std::int64_t max_gap_ns() const { return max_gap_ns_; }
+  std::int64_t maxGapNs() const { return max_gap_ns_; }
 
  private:
   const Trajectory& truth_;

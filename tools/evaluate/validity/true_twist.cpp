@@ -63,7 +63,7 @@ TrueTwist::TrueTwist(const Trajectory& truth) {
   const InterpolatedTruth interpolated(truth);
   std::size_t first = 0;
   for (std::size_t i = 1; i <= truth.size(); ++i) {
-    if (i < truth.size() && truth[i].time_ns - truth[i - 1].time_ns <= interpolated.max_gap_ns()) continue;
+    if (i < truth.size() && truth[i].time_ns - truth[i - 1].time_ns <= interpolated.maxGapNs()) continue;
     addPiece(truth, first, i);
     first = i;
   }

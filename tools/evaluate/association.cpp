@@ -41,10 +41,6 @@ StampedPose interpolate(const StampedPose& before, const StampedPose& after, std
   return between;
 }
 
-double seconds(std::int64_t time_ns) {
-  return 1e-9 * static_cast<double>(time_ns);
-}
-
 std::string span(const Trajectory& trajectory) {
   char text[80];
   std::snprintf(text, sizeof text, "%.3f s to %.3f s", seconds(trajectory.front().time_ns),

@@ -9,6 +9,10 @@
 
 namespace cartvo {
 
+inline double seconds(std::int64_t time_ns) {
+  return 1e-9 * static_cast<double>(time_ns);
+}
+
 /// How the poses of the estimate were associated with the truth.
 enum class AssociationMethod : std::uint8_t { rows, time };
 

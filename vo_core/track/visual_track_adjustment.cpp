@@ -141,13 +141,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  if (draft.estimates.readouts.areUncertain() && !by_longer_readouts) {
-    motion.reason = OdometryReason::degenerate_geometry;
-    return;
-  }
-  if (by_longer_readouts)
+  if (draft.estimates.readouts.areUncertain()) {
+    if (!by_longer_readouts) {
+      motion.reason = OdometryReason::degenerate_geometry;
+      return;
+    }
     motion.error.by_readout =
         errorByReadouts(motion.T_previous_current, *by_longer_readouts, draft.estimates.readouts);
+  }
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);

@@ -32,6 +32,19 @@ Eigen::Vector3d rayByAnchorMotion(const Eigen::Isometry3d& T_camera_anchor, cons
          moved.z() * point.inverse_depth * T_camera_anchor.translation();
 }
 
+/// Sets what follows from a point's bearing and inverse depth in its anchor camera, which `step` moves by for
+/// each second of readout, and what its landmark and the observation `seen` state.
+void complete(const Eigen::Isometry3d& T_camera_anchor, const Vector6d& step, const Landmark& landmark,
+              const Observation& seen, RowPoint& point) {
+  point.ray = T_camera_anchor.linear() * point.bearing + point.inverse_depth * T_camera_anchor.translation();
+  point.ray_by_inverse_depth = T_camera_anchor.translation();
+  point.ray_by_readout = rayByAnchorMotion(T_camera_anchor, step, point);
+  point.inverse_depth_information = landmark.information;
+  point.relative_noise = seen.relative_noise;
+  point.weight = landmark.poseWeight();
+  point.level = landmark.level;
+}
+
 /// Motion between the exposures of two pairs as their motions about them make it, minus that of their poses
 /// (trapezoidal rule with end correction).
 Vector6d excessMotion(const WindowFrame& from, const WindowFrame& to) {
@@ -122,17 +135,11 @@ void VisualTrack::addRowPoints(const Draft& draft) {
     point.pixel = seen->left;
     point.instant = timing_.left(seen->left);
     point.share = timing_.leftShare(seen->left);
-    const Eigen::Isometry3d& T = T_camera_anchor[*anchor];
     point.bearing = bearingOf(camera_, landmark.anchor().leftAtExposure());
-    point.ray = T.linear() * point.bearing + landmark.inverse_depth * T.translation();
-    point.ray_by_inverse_depth = T.translation();
     point.inverse_depth = landmark.inverse_depth;
     const Vector6d& velocity = draft.window[*anchor].motion->velocity;
-    point.ray_by_readout = rayByAnchorMotion(T, timing_.leftShare(landmark.anchor().left) * velocity, point);
-    point.inverse_depth_information = landmark.information;
-    point.relative_noise = seen->relative_noise;
-    point.weight = landmark.poseWeight();
-    point.level = landmark.level;
+    complete(T_camera_anchor[*anchor], timing_.leftShare(landmark.anchor().left) * velocity, landmark, *seen,
+             point);
     points.push_back(point);
   }
 }
@@ -272,13 +279,7 @@ void VisualTrack::addReadoutPoints(const Draft& draft, const ReadoutView& before
     point.pixel = pixel_of(*last);
     point.instant = instant_of(*last);
     point.share = share_of(*last);
-    point.ray = T_now_before.linear() * point.bearing + point.inverse_depth * T_now_before.translation();
-    point.ray_by_inverse_depth = T_now_before.translation();
-    point.ray_by_readout = rayByAnchorMotion(T_now_before, share_of(*first) * before.motion.velocity, point);
-    point.inverse_depth_information = landmark.information;
-    point.relative_noise = last->relative_noise;
-    point.weight = landmark.poseWeight();
-    point.level = landmark.level;
+    complete(T_now_before, share_of(*first) * before.motion.velocity, landmark, *last, point);
     points.push_back(point);
   }
 }

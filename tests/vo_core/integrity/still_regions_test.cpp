@@ -19,13 +19,18 @@ constexpr int kPairs = 40;
 const cv::Rect kBonnet(60, 160, 280, 64);
 constexpr int kDisparity = 40;  // px, of the bonnet: 1.3 m before both cameras
 
-/// Estimates of a straight drive.
-std::vector<OdometryEstimate> driven(bool with_bonnet) {
-  static const test::CorridorWorld world(1);
+/// Settings for a rig that is right.
+OdometrySettings settingsOfTheRig() {
   OdometrySettings settings;
   settings.features = 400;
   settings.rig_refinement = RigRefinement::off;
-  StereoOdometry odometry(kCamera, settings);
+  return settings;
+}
+
+/// Estimates of a straight drive.
+std::vector<OdometryEstimate> driven(bool with_bonnet) {
+  static const test::CorridorWorld world(1);
+  StereoOdometry odometry(kCamera, settingsOfTheRig());
   NullStageObserver observer;
   std::vector<OdometryEstimate> estimates;
   for (int i = 0; i < kPairs; ++i) {
@@ -59,10 +64,7 @@ TEST(StillRegions, AreAbsentFromAnUnobstructedView) {
 /// pixels of a dark night: they are not asked how far the cart goes.
 TEST(StereoMatches, AreNeededByAFifthOfTheLandmarks) {
   static const test::CorridorWorld world(1);
-  OdometrySettings settings;
-  settings.features = 400;
-  settings.rig_refinement = RigRefinement::off;
-  StereoOdometry odometry(kCamera, settings);
+  StereoOdometry odometry(kCamera, settingsOfTheRig());
   NullStageObserver observer;
   const int shown = kCamera.height / 10;  // px, upper part of the right image
   for (int i = 0; i < kPairs; ++i) {

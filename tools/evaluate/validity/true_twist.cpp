@@ -53,10 +53,6 @@ std::vector<double> splineSlopes(const std::vector<double>& times, const std::ve
   return slopes;
 }
 
-double seconds(std::int64_t time_ns) {
-  return 1e-9 * static_cast<double>(time_ns);
-}
-
 }  // namespace
 
 TrueTwist::TrueTwist(const Trajectory& truth) {

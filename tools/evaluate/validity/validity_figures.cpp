@@ -8,13 +8,10 @@
 #include <fmt/format.h>
 
 #include "common/units.hpp"
+#include "tools/evaluate/association.hpp"
 
 namespace cartvo {
 namespace {
-
-double seconds(std::int64_t time_ns) {
-  return 1e-9 * static_cast<double>(time_ns);
-}
 
 /// The largest component that is known; 0 if none is.
 double largest(const Eigen::Vector3d& errors) {

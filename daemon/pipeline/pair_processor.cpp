@@ -96,6 +96,7 @@ class PairProcessor::Implementation {
     if (!result.motion.velocity.allFinite()) return;
     result.worst = worstBound(result.level, alert_limits_);
     if (result.worst->isExceeded()) eraseTwist(result.motion);
+    if (result.isValid()) levels_.setValid();
   }
 
   void complete(PairView& view, const PairResult& result) const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "vo_core/geometry/pose_drift.hpp"
@@ -86,7 +87,10 @@ ProtectionLevels::ProtectionLevels(const Eigen::Isometry3d& T_body_rectified, do
 }
 
 ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, const BodyMotion& motion) {
-  if (estimate.reset_counter != epoch_) motions_.clear();
+  if (estimate.reset_counter != epoch_) {
+    motions_.clear();
+    newest_valid_ = false;
+  }
   epoch_ = estimate.reset_counter;
   ProtectionLevel level;
   if (!estimate.valid || !(estimate.time_step > 0.0)) return level;
@@ -105,8 +109,9 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
 void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
   const vo::Vector6d &by_offset = estimate.motion_offset_error, &by_readout = estimate.motion_readout_error;
   const vo::Matrix6d common = by_offset * by_offset.transpose() + by_readout * by_readout.transpose();
-  motions_.push_back({estimate.time_step, estimate.T_previous_current, estimate.motion_covariance - common,
-                      by_offset, by_readout});
+  motions_.push_back({newest_valid_, estimate.time_step, estimate.T_previous_current,
+                      estimate.motion_covariance - common, by_offset, by_readout});
+  newest_valid_ = false;
   double duration = 0.0;
   for (const Motion& motion : motions_)
     duration += motion.time_step;
@@ -125,7 +130,10 @@ vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
   uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
   vo::Vector6d by_offset = vo::Vector6d::Zero(), by_readout = vo::Vector6d::Zero();
   Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
-  for (const Motion& motion : motions_) {
+  const auto oldest_valid = std::find_if(motions_.begin(), std::prev(motions_.end()),
+                                         [](const Motion& motion) { return motion.starts_valid; });
+  for (auto it = oldest_valid; it != motions_.end(); ++it) {
+    const Motion& motion = *it;
     uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current,
                                   {.pairs = 1, .noise = motion.noise, .patch_motion = 1.0}, uncertainty_);
     uncertainty.pose += motion.offset_error * motion.offset_error.transpose() +

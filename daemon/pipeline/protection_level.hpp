@@ -33,8 +33,10 @@ struct ProtectionLevel {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector3d velocity = Eigen::Vector3d::Constant(kUnknown);      ///< m/s
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Constant(kUnknown);  ///< rad/s
-  Eigen::Vector3d motion = Eigen::Vector3d::Constant(kUnknown);    ///< m, translation over the last second
-  Eigen::Vector3d rotation = Eigen::Vector3d::Constant(kUnknown);  ///< rad, rotation over the last second
+  /// m and rad, translation and rotation over the last second: since the oldest pose of the last second and the
+  /// epoch that was VALID; if there is none, since the previous pair.
+  Eigen::Vector3d motion = Eigen::Vector3d::Constant(kUnknown);
+  Eigen::Vector3d rotation = Eigen::Vector3d::Constant(kUnknown);
 };
 
 /// Largest bounds, for each axis, with which a motion is valid. config/cartvod.yaml explains the defaults.
@@ -74,12 +76,15 @@ class ProtectionLevels {
   ProtectionLevels(const Eigen::Isometry3d& T_body_rectified, double scale_stddev,
                    const vo::UncertaintySettings& uncertainty);
 
-  /// `motion`: of the body, with velocities at the exposure. Where less than a second is known, after a start
-  /// or a new epoch, the bounds of the last second are those of what is known.
+  /// `motion`: of the body, with velocities at the exposure.
   ProtectionLevel update(const vo::OdometryEstimate& estimate, const BodyMotion& motion);
+
+  /// The pair of the last update() is published as VALID: a reader may take differences from its pose.
+  void setValid() { newest_valid_ = true; }
 
  private:
   struct Motion {
+    bool starts_valid = false;  ///< the pose that the motion starts from was published as VALID
     double time_step = 0.0;
     Eigen::Isometry3d T_previous_current;
     vo::Matrix6d noise;  ///< covariance without the errors by the time offset and the readouts
@@ -93,6 +98,7 @@ class ProtectionLevels {
   double scale_stddev_;
   vo::UncertaintySettings uncertainty_;
   std::deque<Motion> motions_;  ///< of the last second, the newest last
+  bool newest_valid_ = false;   ///< the newest pair with an estimate was published as VALID
   std::uint32_t epoch_ = 0;     ///< of these
 };
 

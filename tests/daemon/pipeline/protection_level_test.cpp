@@ -45,11 +45,14 @@ vo::UncertaintySettings withoutDrift() {
   return settings;
 }
 
-/// The level after so many estimates of one motion, whose camera is the body.
-ProtectionLevel levelAfter(ProtectionLevels& levels, int count, const vo::OdometryEstimate& estimate) {
+/// The level after so many estimates of one motion, whose camera is the body and which are VALID unless stated.
+ProtectionLevel levelAfter(ProtectionLevels& levels, int count, const vo::OdometryEstimate& estimate,
+                           bool valid = true) {
   ProtectionLevel level;
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
     level = levels.update(estimate, bodyMotion(estimate, Eigen::Isometry3d::Identity()));
+    if (valid && estimate.valid) levels.setValid();
+  }
   return level;
 }
 
@@ -70,9 +73,9 @@ TEST(ProtectionLevel, GrowsOverTheLastSecondOnly) {
   const vo::OdometryEstimate standing = estimateWithNoise(motionAhead(0.0));
   EXPECT_NEAR(levelAfter(levels, 1, standing).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
               1e-12);
-  EXPECT_NEAR(levelAfter(levels, 3, standing).motion.x(),
+  EXPECT_NEAR(levelAfter(levels, 4, standing).motion.x(),
               kMotionFloor + kBoundFactor * 2.0 * kTranslationStddev, 1e-12)
-      << "four independent motions";
+      << "four independent motions since the first VALID pose";
   const double of_a_second = kBoundFactor * std::sqrt(10.0) * kTranslationStddev;
   EXPECT_NEAR(levelAfter(levels, 20, standing).motion.x(), kMotionFloor + of_a_second, 1e-12);
   EXPECT_NEAR(levelAfter(levels, 1, standing).rotation.y(),
@@ -82,7 +85,7 @@ TEST(ProtectionLevel, GrowsOverTheLastSecondOnly) {
 TEST(ProtectionLevel, HasTheSidewaysErrorOfAHeadingThatIsOff) {
   ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
   constexpr double kStep = 0.3;  // m
-  const ProtectionLevel level = levelAfter(levels, 10, estimateWithNoise(motionAhead(kStep)));
+  const ProtectionLevel level = levelAfter(levels, 11, estimateWithNoise(motionAhead(kStep)));
   double variance = 10.0 * kTranslationStddev * kTranslationStddev;
   for (int behind = 0; behind < 10; ++behind)
     variance += std::pow(behind * kStep * kRotationStddev, 2);
@@ -96,7 +99,7 @@ TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
   vo::OdometryEstimate estimate = estimateWithNoise(motionAhead(kStep));
   estimate.motion_offset_error(0) = kByOffset;
   estimate.motion_covariance(0, 0) += kByOffset * kByOffset;
-  const ProtectionLevel level = levelAfter(levels, 10, estimate);
+  const ProtectionLevel level = levelAfter(levels, 11, estimate);
   const double independent = 10.0 * (kTranslationStddev * kTranslationStddev + kByOffset * kByOffset);
   const double common = std::pow(10.0 * kByOffset, 2) + std::pow(10.0 * kScale * kStep, 2);
   EXPECT_NEAR(level.motion.x(), kMotionFloor + kBoundFactor * std::sqrt(independent + common), 1e-9);
@@ -108,7 +111,7 @@ TEST(ProtectionLevel, BeginsAnewWithAnEpochAndGoesOnBehindAGap) {
   levelAfter(levels, 4, estimate);
   vo::OdometryEstimate lost;
   EXPECT_TRUE(levelAfter(levels, 1, lost).motion.array().isNaN().all());
-  EXPECT_NEAR(levelAfter(levels, 5, estimate).motion.x(),
+  EXPECT_NEAR(levelAfter(levels, 6, estimate).motion.x(),
               kMotionFloor + kBoundFactor * 3.0 * kTranslationStddev, 1e-12);
   estimate.reset_counter = 1;
   EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
@@ -117,6 +120,26 @@ TEST(ProtectionLevel, BeginsAnewWithAnEpochAndGoesOnBehindAGap) {
   EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), kMotionFloor + kBoundFactor * kTranslationStddev,
               1e-12)
       << "one motion over a gap of more than a second";
+}
+
+TEST(ProtectionLevel, IsOfTheMotionSinceTheOldestValidPose) {
+  ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
+  const vo::OdometryEstimate estimate = estimateWithNoise(motionAhead(0.0));
+  const auto bound_of = [](int motions) {
+    return kMotionFloor + kBoundFactor * std::sqrt(motions) * kTranslationStddev;
+  };
+  vo::OdometryEstimate first = estimate;
+  first.motion_covariance *= 100.0;
+  EXPECT_NEAR(levelAfter(levels, 2, first, false).motion.x(),
+              kMotionFloor + 10.0 * kBoundFactor * kTranslationStddev, 1e-12)
+      << "of the last motion alone: no pose is VALID";
+  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), bound_of(1), 1e-12);
+  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), bound_of(1), 1e-12) << "since the first VALID pose";
+  EXPECT_NEAR(levelAfter(levels, 1, estimate).motion.x(), bound_of(2), 1e-12);
+  EXPECT_NEAR(levelAfter(levels, 3, estimate, false).motion.x(), bound_of(5), 1e-12)
+      << "INVALID motions between VALID poses count";
+  EXPECT_NEAR(levelAfter(levels, 20, estimate, false).motion.x(), bound_of(1), 1e-12)
+      << "no pose of the last second is VALID";
 }
 
 /// Motions on a bend whose errors are independent noise and a drift as ProtectionLevels has it: the errors of
@@ -165,7 +188,7 @@ TEST(ProtectionLevel, FitsErrorsDrawnWithDriftOnABend) {
   const vo::UncertaintySettings settings;
   DrawnSecond drawn(T_body_camera);
   ProtectionLevels levels(T_body_camera, 0.0, settings);
-  const ProtectionLevel level = levelAfter(levels, 10, estimateWithNoise(drawn.step()));
+  const ProtectionLevel level = levelAfter(levels, 11, estimateWithNoise(drawn.step()));
   vo::Vector6d bounds;
   bounds << level.motion.array() - kMotionFloor, level.rotation.array() - kRotationFloor;
 

@@ -5,10 +5,10 @@ Usage: tools/check_docs.py [PATH-OF-CARTVO [PATH-OF-CARTVOD]]
        (default build/release/tools/cartvo/cartvo and, beside it, ../../daemon/cartvod)
 
 Every page: links and pictures resolve, and pictures have a text that stands for them. docs/pictures: each picture is small, and
-a page shows it. Pages outside docs/notebook: commands parse (subcommands, options), paths exist, no issue
-number, no commit hash, and only docs/accuracy.md links to the notebook, once. docs/how-it-works.md: its length, and the
-code that it names exists. Man pages: they format cleanly, their examples parse, each command has one. Sources: the pages
-that they name exist.
+a page shows it. Every page: commands parse (subcommands, options), paths exist, no issue number, no commit hash. Words: at
+most 4,000 in docs/architecture.md, 3,000 in docs/how-it-works.md, and 20,000 in the user pages together, which are the
+others in docs but the glossary. docs/how-it-works.md: the code that it names exists. Man pages: they format cleanly, their
+examples parse, each command has one. Sources: the pages that they name exist.
 """
 import functools
 import pathlib
@@ -18,12 +18,12 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-NOTEBOOK = ROOT / "docs/notebook"
-NOTEBOOK_READER = ROOT / "docs/accuracy.md"  # the only page that links to it
 PICTURES = ROOT / "docs/pictures"
 PICTURE_MOST_BYTES = 60_000
 HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
-HOW_IT_WORKS_MOST_WORDS = 3000
+MOST_WORDS = {ROOT / "docs/architecture.md": 4000, HOW_IT_WORKS: 3000}
+USER_PAGES_MOST_WORDS = 20_000  # together
+NO_USER_PAGES = {*MOST_WORDS, ROOT / "docs/glossary.md"}
 FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|library|python|systemd|tests|tools|vo_core"
 MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 
@@ -83,20 +83,6 @@ def problems_of_picture(picture, shown):
         yield "no page shows it"
 
 
-def is_notebook(file):
-    return file == NOTEBOOK or NOTEBOOK in file.parents
-
-
-def notebook_links(page):
-    targets = [target for target, file, _ in links_of(page) if is_notebook(file)]
-    if page == NOTEBOOK_READER:
-        if len(targets) != 1:
-            yield f"links to the notebook {len(targets)} times: expected once"
-    else:
-        for target in targets:
-            yield f"link to {target}: only {NOTEBOOK_READER.relative_to(ROOT)} links to the notebook"
-
-
 # Words.
 
 
@@ -118,10 +104,22 @@ def missing_paths(text):
                 yield f"names {name}, which does not exist"
 
 
+def words_in(page):
+    """As wc -w counts them."""
+    return len(page.read_text().split())
+
+
 def too_long(page):
-    words = len(page.read_text().split())
-    if words > HOW_IT_WORKS_MOST_WORDS:
-        yield f"has {words} words: at most {HOW_IT_WORKS_MOST_WORDS}"
+    words, most = words_in(page), MOST_WORDS.get(page)
+    if most is not None and words > most:
+        yield f"has {words} words: at most {most}"
+
+
+def too_long_together(pages):
+    user_pages = [page for page in pages if page.parent == ROOT / "docs" and page not in NO_USER_PAGES]
+    words = sum(map(words_in, user_pages))
+    if words > USER_PAGES_MOST_WORDS:
+        yield f"docs: the user pages have {words} words: at most {USER_PAGES_MOST_WORDS}"
 
 
 def missing_code(page):
@@ -295,15 +293,12 @@ def man_page_warnings(page):
 def problems_of_page(page, programs):
     yield from broken_links(page)
     yield from pictures_without_text(page)
-    if is_notebook(page):
-        return
     text = page.read_text()
-    yield from notebook_links(page)
+    yield from too_long(page)
     yield from dated_references(text)
     yield from missing_paths(text)
     yield from wrong_commands(commands_of_page(page), programs)
     if page == HOW_IT_WORKS:
-        yield from too_long(page)
         yield from missing_code(page)
 
 
@@ -330,7 +325,7 @@ def main():
     pages, man_pages = files("*.md"), files("docs/man/*")
     pictures = files(*(f"{PICTURES.relative_to(ROOT)}/*.{kind}" for kind in ("png", "svg")))
     shown = {file for page in pages for _, file, _ in links_of(page)}
-    problems = list(undocumented_commands(programs["cartvo"]))
+    problems = [*undocumented_commands(programs["cartvo"]), *too_long_together(pages)]
     for check, checked in ((lambda page: problems_of_page(page, programs), pages),
                            (lambda page: problems_of_man_page(page, programs), man_pages),
                            (lambda picture: problems_of_picture(picture, shown), pictures),

@@ -2,7 +2,7 @@
 """tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms.
 
 Looks at identifiers, comments, texts and prose of all tracked sources, tests, scripts and documentation, or of the given
-files. docs/notebook (dated notes) and the glossary itself are left out. Identifiers are split into their words, so that
+files. The glossary itself is left out. Identifiers are split into their words, so that
 `StandWitness` and `stand_witness` are found by `witness`. Prints FILE:LINE, the word, and what to say instead.
 """
 import pathlib
@@ -36,7 +36,7 @@ ALLOWED = {
     "tools/calibrate/mount/calibrate_mount.cpp": ("sightings",),  # JSON key of `cartvo calibrate mount`
     "tests/system/in_vm.sh": ("nobody",),  # the system user
 }
-LEFT_OUT = ("docs/notebook/", "docs/glossary.md", "tools/check_language.py", "LICENSE")
+LEFT_OUT = ("docs/glossary.md", "tools/check_language.py", "LICENSE")
 KINDS = (".cpp", ".hpp", ".md", ".py", ".sh", ".yaml", ".lcm", ".txt", ".1", ".5", ".8", ".in", ".cmake")
 PATTERN = re.compile("|".join(rf"(?P<g{i}>\b(?:{pattern})\b)" for i, pattern in enumerate(REJECTED)))
 

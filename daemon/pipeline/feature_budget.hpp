@@ -4,7 +4,7 @@ namespace cartvo::daemon {
 
 /// Limits the number of features so that each pair is processed before the next one arrives. On an overloaded
 /// computer fewer features in time are worth more than all of them late: processing time grows with their
-/// number, accuracy hardly does (docs/notebook/method.md, half-features).
+/// number, accuracy hardly does (docs/architecture.md).
 ///
 /// The number drops at once to what the last two processing times allow and recovers slowly. Reads no clock.
 class FeatureBudget {

@@ -39,7 +39,7 @@ struct PoseProblem {
   std::vector<PosePoint> points;
   /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
   /// patch is ignored: a gate that opens for blurred patches admits wrong matches
-  /// (docs/notebook/experiments.md).
+  /// (docs/architecture.md).
   BundleNoises noise;
   /// Motion gate: largest difference from `expected` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;

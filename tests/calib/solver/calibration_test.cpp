@@ -120,7 +120,7 @@ struct KnownTruth {
 };
 
 /// Uses different noise in each run. --gtest_filter='*CramerRaoBound*' prints the numbers of
-/// docs/calibration.md. The rotation compensates an error of the principal point: with 12x9 corners per view
+/// docs/architecture.md. The rotation compensates an error of the principal point: with 12x9 corners per view
 /// it cannot be determined to 0.01 degrees, with 24x17 corners on a nearer board of the same size it can.
 TEST(Calibration, ReachesTheCramerRaoBound) {
   const BoardSpec fine = Chessboard{24, 17, 0.015};

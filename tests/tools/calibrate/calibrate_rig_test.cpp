@@ -93,7 +93,7 @@ TEST(CalibrateCommand, IsDeterministicAndKeepsTheMount) {
   EXPECT_EQ(json["views"].size(), 13U);
   ASSERT_EQ(json["models"].size(), 1U);
   EXPECT_LE(json["models"][0]["held_out_rms_px"].get<double>(), 0.3);
-  // cv::stereoCalibrate as OpenCV's stereo_calib.cpp calls it: docs/calibration.md.
+  // cv::stereoCalibrate as OpenCV's stereo_calib.cpp calls it: docs/architecture.md.
   EXPECT_LE(json["models"][0]["held_out_vertical_disparity_rms_px"].get<double>(), 0.2);
   EXPECT_FALSE(json["reservations"].empty());
   calib::Rig mounted = calib::readRig(output);

@@ -18,7 +18,7 @@ struct Positions {
 
 /// Loads the 2x2 pixels at each position, one position at a time: the pixel, the one to its right, below, and
 /// below to the right, lowest byte first.
-void gatherOneByOne(const cv::Mat& source, const Positions& positions, vo::IntLanes& pixels) {
+void gatherPixels(const cv::Mat& source, const Positions& positions, vo::IntLanes& pixels) {
   vo::ShortLanes row, column;
   std::memcpy(&row, positions.row, sizeof row);
   std::memcpy(&column, positions.column, sizeof column);
@@ -28,35 +28,11 @@ void gatherOneByOne(const cv::Mat& source, const Positions& positions, vo::IntLa
   vo::gather2x2Scalar(source.data, stride, offset, vo::kLanes, pixels);
 }
 
-/// The same from a block of 4 rows and 32 columns, by byte shuffles. False if the block does not contain all
-/// positions or exceeds the image.
-template <typename Processor>
-bool gatherFromBlock(const cv::Mat& source, const Positions& positions, vo::IntLanes& pixels) {
-  constexpr int kRows = 4, kWidth = 32, kRowsAhead = 12;
-  const int first_row = std::min(positions.row[0], positions.row[vo::kLanes - 1]);
-  const int first_column = std::min(positions.column[0], positions.column[vo::kLanes - 1]);
-  if (first_row + kRows > source.rows || first_column + kWidth > source.cols) return false;
-  vo::ShortLanes row, column;
-  std::memcpy(&row, positions.row, sizeof row);
-  std::memcpy(&column, positions.column, sizeof column);
-  row -= static_cast<std::uint16_t>(first_row);
-  column -= static_cast<std::uint16_t>(first_column);  // negative values become large
-  if (!Processor::allBelow(row, kRows - 1) || !Processor::allBelow(column, kWidth - 1)) return false;
-  const vo::ShortLanes place = (row << 5) + column;
-  const std::uint8_t* const first = source.data + first_row * source.step[0] + first_column;
-  // Prefetch the pixels needed some rows later: an image that has just arrived is in no cache.
-  __builtin_prefetch(first + kRowsAhead * source.step[0]);
-  Processor::gather2x2(first, static_cast<std::ptrdiff_t>(source.step[0]),
-                       __builtin_convertvector(place, vo::IntLanes), pixels);
-  return true;
-}
-
 /// Interpolates bilinearly between the 2x2 pixels, exactly, and rounds once.
-template <typename Processor>
 void interpolate(const vo::IntLanes& pixels, const Positions& positions, std::uint8_t* target) {
   vo::ShortLanes x16, y16;
-  Processor::load(positions.column_fraction, x16);
-  Processor::load(positions.row_fraction, y16);
+  vo::LaneOperations::load(positions.column_fraction, x16);
+  vo::LaneOperations::load(positions.row_fraction, y16);
   const vo::IntLanes x = __builtin_convertvector(x16, vo::IntLanes),
                      y = __builtin_convertvector(y16, vo::IntLanes);
   // Interpolate along the rows: a pair of values for each position, above and below.
@@ -66,23 +42,17 @@ void interpolate(const vo::IntLanes& pixels, const Positions& positions, std::ui
                        &share = reinterpret_cast<const vo::WideShorts&>(x_of_both);
   const vo::WideShorts between = (both << 8) + share * ((both >> 8) - left);  // modulo 2^16
   vo::IntLanes sum;
-  Processor::blendRows(reinterpret_cast<const vo::IntLanes&>(between), y << 8, sum);
-  Processor::storeBytes((sum + (1 << 15)) >> 16, target);
+  vo::LaneOperations::blendRows(reinterpret_cast<const vo::IntLanes&>(between), y << 8, sum);
+  vo::LaneOperations::storeBytes((sum + (1 << 15)) >> 16, target);
 }
 
-template <typename Processor>
 void remapSixteen(const cv::Mat& source, const Positions& positions, std::uint8_t* target) {
   vo::IntLanes pixels;
-  if constexpr (Processor::kShufflesBytes) {
-    if (!gatherFromBlock<Processor>(source, positions, pixels)) gatherOneByOne(source, positions, pixels);
-  } else {
-    gatherOneByOne(source, positions, pixels);
-  }
-  interpolate<Processor>(pixels, positions, target);
+  gatherPixels(source, positions, pixels);
+  interpolate(pixels, positions, target);
 }
 
 /// Remaps the last `count` pixels of a row, padded to sixteen with copies of the last position.
-template <typename Processor>
 void remapRest(const cv::Mat& source, const Positions& positions, int count, std::uint8_t* target) {
   std::array<std::uint16_t, vo::kLanes> column, row;
   std::array<std::uint8_t, vo::kLanes> x, y, blended;
@@ -93,12 +63,11 @@ void remapRest(const cv::Mat& source, const Positions& positions, int count, std
     x[i] = positions.column_fraction[from];
     y[i] = positions.row_fraction[from];
   }
-  remapSixteen<Processor>(source, {column.data(), row.data(), x.data(), y.data()}, blended.data());
+  remapSixteen(source, {column.data(), row.data(), x.data(), y.data()}, blended.data());
   std::copy_n(blended.data(), count, target);
 }
 
-template <typename Processor>
-void remapAll(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
+CARTVO_TARGET_CLONES void remapHere(const cv::Mat& source, const PixelSources& sources, cv::Mat& target) {
   for (int row = 0; row < target.rows; ++row) {
     std::uint8_t* const out = target.ptr<std::uint8_t>(row);
     const std::size_t first = static_cast<std::size_t>(row) * target.cols;
@@ -107,15 +76,12 @@ void remapAll(const cv::Mat& source, const PixelSources& sources, cv::Mat& targe
       const Positions positions{sources.column.data() + at, sources.row.data() + at,
                                 sources.column_fraction.data() + at, sources.row_fraction.data() + at};
       if (const int count = target.cols - column; count < vo::kLanes)
-        remapRest<Processor>(source, positions, count, out + column);
+        remapRest(source, positions, count, out + column);
       else
-        remapSixteen<Processor>(source, positions, out + column);
+        remapSixteen(source, positions, out + column);
     }
   }
 }
-
-CARTVO_BY_PROCESSOR(void, remapHere, (const cv::Mat& source, const PixelSources& sources, cv::Mat& target),
-                    (source, sources, target), remapAll)
 
 }  // namespace
 

@@ -24,7 +24,6 @@ struct AlignmentRequest {
 };
 
 /// Aligns up to four tasks at once, one SIMD lane each.
-template <typename Processor>
 class FourAlignments {
  public:
   explicit FourAlignments(std::span<const AlignmentTask> tasks) : tasks_(tasks) {
@@ -40,7 +39,7 @@ class FourAlignments {
       active_[i] = 0;
     std::array<SumsOfPatch<TemplateSums<kAffineParameters>>, kBatchSize> sums{};
     for (std::size_t i = 0; i < kBatchSize; ++i)
-      if (active_[i] != 0) buildTemplate<Processor>(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
+      if (active_[i] != 0) buildTemplate(*tasks[i].before, tasks[i].from, templates_[i], sums[i]);
     SumsOfFour<TemplateSums<kAffineParameters>> lanes;
     gatherLanes(sums, lanes);
     MaskLanes regular;
@@ -66,7 +65,7 @@ class FourAlignments {
   void writeResults(std::span<std::optional<AffineAlignment>> results) const {
     std::array<SumsOfPatch<ForwardBackwardSums>, kBatchSize> sums{};
     for (std::size_t i = 0; i < kBatchSize; ++i)
-      if (done_[i] != 0) compareForwardBackward<Processor>(templates_[i], now_[i], sums[i]);
+      if (done_[i] != 0) compareForwardBackward(templates_[i], now_[i], sums[i]);
     SumsOfFour<ForwardBackwardSums> lanes;
     gatherLanes(sums, lanes);
     LaneValues errors, variance_x, variance_y;
@@ -88,8 +87,8 @@ class FourAlignments {
   void compare() {
     for (std::size_t i = 0; i < kBatchSize; ++i) {
       if (active_[i] == 0) continue;
-      samplePatch<Processor>(*tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i]);
-      comparePatches<Processor>(templates_[i], now_[i], sums_[i]);
+      samplePatch(*tasks_[i].after, warps_.position(i), warps_.warp(i), now_[i]);
+      comparePatches(templates_[i], now_[i], sums_[i]);
     }
     SumsOfFour<ComparisonSums<kAffineParameters>> lanes;
     gatherLanes(sums_, lanes);
@@ -107,20 +106,21 @@ class FourAlignments {
   WarpBounds bounds_;
 };
 
-template <typename Processor>
 void alignAll(const AlignmentRequest& request) {
   // Stretched by at most 1.6 in each of two directions, the patch reaches 22.4 px: the border holds it.
   constexpr int kSpan = kPatchSide - 1;
   static_assert(kSpan * (1.0 + kMaximumStretch) < PyramidLevel::kBorder - 1);
   for (std::size_t first = 0; first < request.tasks.size(); first += kBatchSize) {
     const std::size_t count = std::min<std::size_t>(kBatchSize, request.tasks.size() - first);
-    FourAlignments<Processor> four(request.tasks.subspan(first, count));
+    FourAlignments four(request.tasks.subspan(first, count));
     four.align(request.iterations, request.convergence);
     four.writeResults(request.results.subspan(first, count));
   }
 }
 
-CARTVO_BY_PROCESSOR(void, dispatchAlignments, (const AlignmentRequest& request), (request), alignAll)
+CARTVO_TARGET_CLONES void dispatchAlignments(const AlignmentRequest& request) {
+  return alignAll(request);
+}
 
 }  // namespace
 

@@ -11,10 +11,9 @@ namespace cartvo::vo {
 
 /// Samples rows of pixels around a position, all at the same sub-pixel fraction, with constant interpolation
 /// weights.
-template <typename Processor>
 class ConstantFractionSampler {
  public:
-  using Lanes = PatchLanes<Processor>;
+  using Lanes = PatchLanes;
 
   /// Column 0 lies `left` px left of `centre` (px of the level, inside it), row 0 `above` px above it.
   ConstantFractionSampler(const PyramidLevel& level, const Eigen::Vector2d& centre, int left, int above)

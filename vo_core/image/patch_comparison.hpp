@@ -46,25 +46,23 @@ constexpr Offsets kOffsets = [] {
 
 /// Sums the products of patches, of which `patch(i)` is the i-th; at most as many sums at once as there are
 /// registers.
-template <typename Processor, typename Sums, int Values, int First = 0, typename PatchAt>
+template <typename Sums, int Values, int First = 0, typename PatchAt>
 void sumProducts(const PatchAt& patch, SumsOfPatch<Sums>& sums) {
   static constexpr auto kProducts = Sums::products();
   constexpr int kMaximumSums = 12;
   constexpr int kCount = Sums::kCount - First < kMaximumSums ? Sums::kCount - First : kMaximumSums;
-  PatchLanes<Processor>::template sumProducts<kCount, Values>(
-      [&](int i) { return patch(kProducts[First + i].a); },
-      [&](int i) { return patch(kProducts[First + i].b); }, sums.data() + First);
-  if constexpr (First + kCount < Sums::kCount)
-    sumProducts<Processor, Sums, Values, First + kCount>(patch, sums);
+  PatchLanes::sumProducts<kCount, Values>([&](int i) { return patch(kProducts[First + i].a); },
+                                          [&](int i) { return patch(kProducts[First + i].b); },
+                                          sums.data() + First);
+  if constexpr (First + kCount < Sums::kCount) sumProducts<Sums, Values, First + kCount>(patch, sums);
 }
 
 /// Samples grey values and gradients (central differences).
-template <typename Processor>
-void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedPatch& grey,
-                     AlignedPatch& gradient_x, AlignedPatch& gradient_y) {
-  using Lanes = PatchLanes<Processor>;
+inline void sampleGradients(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedPatch& grey,
+                            AlignedPatch& gradient_x, AlignedPatch& gradient_y) {
+  using Lanes = PatchLanes;
   // Column 0 lies left of the patch.
-  ConstantFractionSampler<Processor> rows(level, centre, kPatchSide / 2 + 1, kPatchSide / 2);
+  ConstantFractionSampler rows(level, centre, kPatchSide / 2 + 1, kPatchSide / 2);
   IntLanes above, below;
   rows.load(-1);
   rows.template sample<1>(above);
@@ -118,15 +116,14 @@ inline void innerDifference(const std::int16_t* behind, const std::int16_t* befo
 }  // namespace patch_comparison_detail
 
 /// Builds the template around `centre` (px of the level, inside it) and its sums.
-template <typename Processor, int Parameters>
+template <int Parameters>
 void buildTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, AlignedTemplate<Parameters>& out,
                    SumsOfPatch<TemplateSums<Parameters>>& sums) {
   namespace detail = patch_comparison_detail;
   AlignedPatch* const slopes = out.slopes;
-  detail::sampleGradients<Processor>(level, centre, out.grey, slopes[0], slopes[1]);
+  detail::sampleGradients(level, centre, out.grey, slopes[0], slopes[1]);
   const auto multiply = [](const AlignedPatch& gradient, const AlignedPatch& offsets, AlignedPatch& slope) {
-    PatchLanes<Processor>::template multiply<AlignedPatch::kValues>(gradient.value, offsets.value,
-                                                                    slope.value);
+    PatchLanes::multiply<AlignedPatch::kValues>(gradient.value, offsets.value, slope.value);
   };
 #pragma GCC unroll 2
   for (int axis = 0; axis < Parameters / 2 - 1; ++axis) {
@@ -134,7 +131,7 @@ void buildTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Ali
     multiply(slopes[axis], detail::kOffsets.y, slopes[3 + 2 * axis]);
   }
   using Sums = TemplateSums<Parameters>;
-  detail::sumProducts<Processor, Sums, AlignedPatch::kValues>(
+  detail::sumProducts<Sums, AlignedPatch::kValues>(
       [&](int i) {
         return i < Parameters ? slopes[i].value : i == Sums::kGrey ? out.grey.value : kAlignedOnes.value;
       },
@@ -142,9 +139,8 @@ void buildTemplate(const PyramidLevel& level, const Eigen::Vector2d& centre, Ali
 }
 
 /// Samples the patch around `position` (px of the level, inside it).
-template <typename Processor>
-void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, AlignedPatch& patch) {
-  ConstantFractionSampler<Processor> rows(level, position, kPatchSide / 2, kPatchSide / 2);
+inline void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, AlignedPatch& patch) {
+  ConstantFractionSampler rows(level, position, kPatchSide / 2, kPatchSide / 2);
   IntLanes sum[2];
   for (int row = 0; row < kAlignedRows; row += 2) {
 #pragma GCC unroll 2
@@ -152,22 +148,21 @@ void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, Ali
       rows.load(kAlignedRowStep * (row + i));
       rows.template sample<0>(sum[i]);
     }
-    PatchLanes<Processor>::store(sum[0], sum[1], patch.row(row));
+    PatchLanes::store(sum[0], sum[1], patch.row(row));
   }
 }
 
 /// Samples the patch under a warp (WarpedRows).
-template <typename Processor>
-void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position, const Eigen::Matrix2d& warp,
-                 AlignedPatch& patch) {
-  WarpedRows<Processor>(level, position, warp).sample(patch);
+inline void samplePatch(const PyramidLevel& level, const Eigen::Vector2d& position,
+                        const Eigen::Matrix2d& warp, AlignedPatch& patch) {
+  WarpedRows(level, position, warp).sample(patch);
 }
 
-template <typename Processor, int Parameters>
+template <int Parameters>
 void comparePatches(const AlignedTemplate<Parameters>& before, const AlignedPatch& now,
                     SumsOfPatch<ComparisonSums<Parameters>>& sums) {
   using Sums = ComparisonSums<Parameters>;
-  patch_comparison_detail::sumProducts<Processor, Sums, AlignedPatch::kValues>(
+  patch_comparison_detail::sumProducts<Sums, AlignedPatch::kValues>(
       [&](int i) {
         return i < Parameters     ? before.slopes[i].value
                : i == Sums::kNow  ? now.value
@@ -180,7 +175,7 @@ void comparePatches(const AlignedTemplate<Parameters>& before, const AlignedPatc
 /// Sums for the forward-backward error: for the shift by the gradients of the template and for that by the
 /// gradients of the patch after, `now`. Leaves out the edge of the patch, where the gradients of `now` are
 /// unknown.
-template <typename Processor, int Parameters>
+template <int Parameters>
 void compareForwardBackward(const AlignedTemplate<Parameters>& before, const AlignedPatch& now,
                             SumsOfPatch<ForwardBackwardSums>& sums) {
   namespace detail = patch_comparison_detail;
@@ -195,8 +190,8 @@ void compareForwardBackward(const AlignedTemplate<Parameters>& before, const Ali
   const std::int16_t* const patches[] = {backward_x.value,   backward_y.value, forward_x.value,
                                          forward_y.value,    now.row(1),       before.grey.row(1),
                                          kAlignedOnes.row(1)};
-  detail::sumProducts<Processor, ForwardBackwardSums, detail::InnerPatch::kValues>(
-      [&](int i) { return patches[i]; }, sums);
+  detail::sumProducts<ForwardBackwardSums, detail::InnerPatch::kValues>([&](int i) { return patches[i]; },
+                                                                        sums);
 }
 
 }  // namespace cartvo::vo

@@ -73,7 +73,6 @@ class ShiftEquations {
 };
 
 /// Tracks up to four tasks at once, one SIMD lane each.
-template <typename Processor>
 class FourShifts {
  public:
   FourShifts(std::span<const ShiftTask> tasks, double minimum_correlation)
@@ -123,7 +122,7 @@ class FourShifts {
       centre_x_.value[i] = centre.x();
       centre_y_.value[i] = centre.y();
       bounds_.set(i, after);
-      buildTemplate<Processor>(before, centre, templates_[i], sums[i]);
+      buildTemplate(before, centre, templates_[i], sums[i]);
     }
     SumsOfFour<OfTemplate> lanes;
     gatherLanes(sums, lanes);
@@ -147,8 +146,8 @@ class FourShifts {
       for (std::size_t i = 0; i < kBatchSize; ++i) {
         if (active[i] == 0) continue;
         AlignedPatch now;
-        samplePatch<Processor>(*after_[i], {position_x_.value[i], position_y_.value[i]}, now);
-        comparePatches<Processor>(templates_[i], now, sums_[i]);
+        samplePatch(*after_[i], {position_x_.value[i], position_y_.value[i]}, now);
+        comparePatches(templates_[i], now, sums_[i]);
       }
       SumsOfFour<OfComparison> lanes;
       gatherLanes(sums_, lanes);
@@ -183,17 +182,18 @@ struct ShiftRequest {
   std::span<std::optional<Eigen::Vector2d>> results;
 };
 
-template <typename Processor>
 void trackAll(const ShiftRequest& request) {
   for (std::size_t first = 0; first < request.tasks.size(); first += kBatchSize) {
     const std::size_t count = std::min(kBatchSize, request.tasks.size() - first);
-    FourShifts<Processor> four(request.tasks.subspan(first, count), request.minimum_correlation);
+    FourShifts four(request.tasks.subspan(first, count), request.minimum_correlation);
     four.track();
     four.writeResults(request.results.subspan(first, count));
   }
 }
 
-CARTVO_BY_PROCESSOR(void, dispatchShifts, (const ShiftRequest& request), (request), trackAll)
+CARTVO_TARGET_CLONES void dispatchShifts(const ShiftRequest& request) {
+  return trackAll(request);
+}
 
 }  // namespace
 

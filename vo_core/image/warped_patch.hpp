@@ -15,7 +15,6 @@ namespace cartvo::vo {
 
 /// Samples the rows of a patch around `position`, which must lie inside the level. The warp maps offsets in
 /// the patch to offsets in the level. Coordinates are integers in 1/65536 px.
-template <typename Processor>
 class WarpedRows {
  public:
   /// The warped patch must not reach beyond the level's border, nor may the warp reverse the order of
@@ -35,69 +34,38 @@ class WarpedRows {
     x_by_row_ = static_cast<int>(kOne * kAlignedRowStep * warp(0, 1));
     y_by_row_ = static_cast<int>(kOne * kAlignedRowStep * warp(1, 1));
     const int y_by_column = static_cast<int>(kOne * warp(1, 0));
-    rise_ = (kPatchSide - 1) * std::abs(y_by_column);
-    to_top_ = y_by_column < 0 ? -rise_ : 0;
     const IntLanes column = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     x_ramp_ = column * static_cast<int>(kOne * warp(0, 0));
     y_ramp_ = column * y_by_column;
   }
 
+  /// Samples the top row, then every kAlignedRowStep-th row below it.
   void sample(AlignedPatch& patch) {
-    if constexpr (Processor::kShufflesBytes) {
-      constexpr int kMaximumRise =
-          2;  // rows below the first; four rows of 32 pixels then hold all neighbours
-      if (rise_ == 0) return sampleBy(patch, [this](IntLanes& sum) { blendLevelRow(sum); });
-      if (rise_ <= kMaximumRise << 16) return sampleBy(patch, [this](IntLanes& sum) { blendNearRow(sum); });
-    }
-    sampleBy(patch, [this](IntLanes& sum) { blendAnyRow(sum); });
-  }
-
- private:
-  /// Samples the top row, then every kAlignedRowStep-th row below it. `blend`: as PatchLanes::blend().
-  template <typename Blend>
-  void sampleBy(AlignedPatch& patch, const Blend& blend) {
     IntLanes sum[2];
     for (int row = 0; row < kAlignedRows; row += 2) {
 #pragma GCC unroll 2
       for (IntLanes& of_row : sum) {
-        blend(of_row);
+        blendRow(of_row);
         x_ += x_by_row_;
         y_ += y_by_row_;
       }
-      PatchLanes<Processor>::store(sum[0], sum[1], patch.row(row));
+      PatchLanes::store(sum[0], sum[1], patch.row(row));
     }
   }
 
-  /// Interpolates a row whose pixels all lie between the same two image rows.
-  void blendLevelRow(IntLanes& sum) const {
-    const int top = y_ >> 16, left = x_ >> 16;
-    PatchLanes<Processor>::blendBetween(corner_ + top * stride_ + left, stride_, x_ramp_ + (x_ & 0xffff), y_,
-                                        sum);
-  }
-  /// Interpolates a row whose neighbours lie in four adjacent image rows.
-  void blendNearRow(IntLanes& sum) const {
-    const int top = (y_ + to_top_) >> 16, left = x_ >> 16;
-    // Whole pixels may count from any origin.
-    const IntLanes x = x_ramp_ + (x_ & 0xffff), y = y_ramp_ + (y_ - (top << 16));
-    IntLanes neighbours;
-    Processor::gather2x2(corner_ + top * stride_ + left, stride_, (y >> 11 & ~31) + (x >> 16), neighbours);
-    PatchLanes<Processor>::blendGathered(neighbours, x, y, sum);
-  }
-  /// Interpolates any row.
-  void blendAnyRow(IntLanes& sum) const {
+ private:
+  void blendRow(IntLanes& sum) const {
     const IntLanes x = x_ramp_ + x_, y = y_ramp_ + y_;
     IntLanes neighbours;
     gather2x2Scalar(corner_, stride_, (y >> 16) * static_cast<int>(stride_) + (x >> 16), kPatchSide,
                     neighbours);
-    PatchLanes<Processor>::blendGathered(neighbours, x, y, sum);
+    PatchLanes::blendGathered(neighbours, x, y, sum);
   }
 
   std::ptrdiff_t stride_;
   const std::uint8_t* corner_;
   int x_, y_;  // first pixel of the next row, 1/65536 px from the corner
   int x_by_row_, y_by_row_;
-  int rise_;    // height of a row, from its first pixel to its last
-  int to_top_;  // from the first pixel of a row to its topmost one
   IntLanes x_ramp_, y_ramp_;
 };
 

@@ -9,9 +9,6 @@
     !defined(__SANITIZE_THREAD__)
 #define CARTVO_TARGET_CLONES \
   __attribute__((flatten, target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-// A further variant for AVX-512 with byte shuffles (VBMI) and sums of products (VNNI), which Intel has since
-// 2019 and AMD since 2022; none of the processor levels that GCC selects by includes them.
-#define CARTVO_BYTE_SHUFFLES __attribute__((flatten, target("arch=x86-64-v4,avx512vbmi,avx512vnni")))
 #else
 #define CARTVO_TARGET_CLONES
 #endif

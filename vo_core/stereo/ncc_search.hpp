@@ -37,16 +37,15 @@ struct NccTemplate {
   const std::int16_t* row(int y) const { return value + y * kLanes; }
 };
 
-template <typename Processor>
-void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
-  ConstantFractionSampler<Processor> rows(level, pixel, kNccColumns / 2, kNccRows / 2);
+inline void makeTemplate(const PyramidLevel& level, const Eigen::Vector2d& pixel, NccTemplate& out) {
+  ConstantFractionSampler rows(level, pixel, kNccColumns / 2, kNccRows / 2);
   IntLanes sum, other;
   for (int y = 0; y < kNccRows; y += 2) {
     rows.load(y);
     rows.template sample<0>(sum);
     rows.load(y + 1);
     rows.template sample<0>(other);
-    PatchLanes<Processor>::storeHalf(sum, other, out.value + y * kLanes);
+    PatchLanes::storeHalf(sum, other, out.value + y * kLanes);
   }
   std::fill(std::begin(out.value) + kNccRows * kLanes, std::end(out.value), 0);
   std::int32_t values = 0, squares = 0;
@@ -80,15 +79,15 @@ struct Strip {
   const std::int16_t* row(int y) const { return value + y * kStride; }
 };
 
-template <typename Processor, int Rows>
+template <int Rows>
 void sampleStrip(const PyramidLevel& level, const Eigen::Vector2d& centre, Strip<Rows>& strip) {
-  ConstantFractionSampler<Processor> rows(level, centre, Strip<Rows>::kColumns / 2, Strip<Rows>::kRows / 2);
+  ConstantFractionSampler rows(level, centre, Strip<Rows>::kColumns / 2, Strip<Rows>::kRows / 2);
   for (int y = 0; y < Strip<Rows>::kRows; ++y) {
     IntLanes left, right;
     rows.load(y);
     rows.template sample<0>(left);
     rows.template sample<kLanes>(right);
-    PatchLanes<Processor>::storeHalfRow(left, right, strip.row(y));
+    PatchLanes::storeHalfRow(left, right, strip.row(y));
   }
 }
 
@@ -110,13 +109,13 @@ constexpr double kMinimumVariance =
 using SquaredCorrelations = std::array<double, kLanesOfSamples>;
 
 /// Correlates the windows of the strip with the template.
-template <typename Processor, int Rows>
+template <int Rows>
 void correlate(const NccTemplate& left, const Strip<Rows>& strip,
                std::array<SquaredCorrelations, 2 * Rows + 1>& correlations) {
   for (int row = 0; row <= 2 * Rows; ++row) {
     Samples sums, squares, products;
-    PatchLanes<Processor>::template sumWindows<kNccSamples, kNccRows, Strip<Rows>::kStride>(
-        left.value, strip.row(row), products, sums, squares);
+    PatchLanes::sumWindows<kNccSamples, kNccRows, Strip<Rows>::kStride>(left.value, strip.row(row), products,
+                                                                        sums, squares);
     for (int first = 0; first < kLanesOfSamples; first += kDoubleLanes) {
       DoubleLanes sum, square, product;
       widen(sums, first, sum);
@@ -131,12 +130,12 @@ void correlate(const NccTemplate& left, const Strip<Rows>& strip,
   }
 }
 
-template <typename Processor, int Rows>
+template <int Rows>
 NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre) {
   Strip<Rows> strip;
-  sampleStrip<Processor, Rows>(right, centre, strip);
+  sampleStrip<Rows>(right, centre, strip);
   std::array<SquaredCorrelations, 2 * Rows + 1> correlations;
-  correlate<Processor, Rows>(left, strip, correlations);
+  correlate<Rows>(left, strip, correlations);
   const auto root = [&left](double squared) {
     return std::copysign(std::sqrt(std::abs(squared)), squared) / left.norm;
   };
@@ -161,18 +160,17 @@ NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Ei
 
 /// Finds the highest peak of the template's normalised cross-correlation with windows of the right image at
 /// most kNccRadius columns and `rows` <= 3 rows away from `centre`.
-template <typename Processor>
-NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
-                    int rows) {
+inline NccPeak highestPeak(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& centre,
+                           int rows) {
   switch (rows) {
     case 0:
-      return ncc_detail::highestPeak<Processor, 0>(left, right, centre);
+      return ncc_detail::highestPeak<0>(left, right, centre);
     case 1:
-      return ncc_detail::highestPeak<Processor, 1>(left, right, centre);
+      return ncc_detail::highestPeak<1>(left, right, centre);
     case 2:
-      return ncc_detail::highestPeak<Processor, 2>(left, right, centre);
+      return ncc_detail::highestPeak<2>(left, right, centre);
     default:
-      return ncc_detail::highestPeak<Processor, 3>(left, right, centre);
+      return ncc_detail::highestPeak<3>(left, right, centre);
   }
 }
 

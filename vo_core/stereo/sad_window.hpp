@@ -8,7 +8,6 @@
 
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/simd/lanes.hpp"
-#include "vo_core/simd/vector_widths.hpp"
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -34,7 +33,6 @@ inline const std::uint8_t* sadCorner(const PyramidLevel& level, const LevelPixel
 using SadRun = std::array<int, kSadRun>;
 
 /// Compares a window of the left image with windows of the right one.
-template <typename Processor>
 class SadWindow {
  public:
   SadWindow(const PyramidLevel& left, const LevelPixel& pixel) {
@@ -83,52 +81,5 @@ class SadWindow {
 #endif
   Row rows_[kSadRows];
 };
-
-#ifdef CARTVO_BYTE_SHUFFLES
-/// AVX-512 sums the differences of four neighbours at eight positions, four times at once: a row of eight
-/// windows.
-template <>
-class SadWindow<ByteShufflingProcessor> {
- public:
-  CARTVO_BYTE_SHUFFLES SadWindow(const PyramidLevel& left, const LevelPixel& pixel) {
-    const __m512i four_of_each = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
-    const std::uint8_t* from = sadCorner(left, pixel);
-    for (int row = 0; row < kSadRows; ++row, from += left.stride()) {
-      const __m128i pixels = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
-      rows_[row] = _mm512_maskz_permutexvar_epi32(0xffff, four_of_each, _mm512_castsi128_si512(pixels));
-    }
-  }
-
-  CARTVO_BYTE_SHUFFLES void compareRun(const PyramidLevel& right, const LevelPixel& pixel,
-                                       SadRun& sums) const {
-    // Each quarter of a register has the pixels that four columns of the window are compared with.
-    const __m512i quarters = _mm512_set_epi32(6, 5, 4, 3, 5, 4, 3, 2, 4, 3, 2, 1, 3, 2, 1, 0);
-    constexpr int kLeftmost = kSadRun - 1, kFirstAndSecondHalf = 0b10'01'01'00;
-    const std::uint8_t* from = sadCorner(right, pixel) - kLeftmost;
-    __m512i sum = _mm512_setzero_si512();
-#pragma GCC unroll 9
-    for (int row = 0; row < kSadRows; ++row, from += right.stride()) {
-      const __m256i pixels = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-      const __m512i met = _mm512_maskz_permutexvar_epi32(0xffff, quarters, _mm512_castsi256_si512(pixels));
-      sum = _mm512_add_epi16(sum, _mm512_dbsad_epu8(rows_[row], met, kFirstAndSecondHalf));
-    }
-    ByteVectors<16>::Shorts quarter[4];
-    std::memcpy(quarter, &sum, sizeof sum);
-    const auto whole = (quarter[0] + quarter[1]) + (quarter[2] + quarter[3]);
-    std::array<std::uint16_t, kSadRun + 1> from_left;
-    std::memcpy(from_left.data(), &whole, sizeof whole);
-    for (int i = 0; i < kSadRun; ++i)
-      sums[i] = from_left[kLeftmost - i];
-  }
-  CARTVO_BYTE_SHUFFLES int compareOne(const PyramidLevel& right, const LevelPixel& pixel) const {
-    SadRun sums;
-    compareRun(right, pixel, sums);
-    return sums.front();
-  }
-
- private:
-  __m512i rows_[kSadRows];
-};
-#endif
 
 }  // namespace cartvo::vo

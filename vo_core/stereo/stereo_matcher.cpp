@@ -63,9 +63,8 @@ constexpr int kSadOutsideImage = 1 << 24;  // SAD where the right image has no p
 static_assert(kSadRun == 2 * kSearchRadius + 1);
 
 /// SADs at kSadRun disparities from `first` on.
-template <typename Processor>
-void compareAlong(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
-                  int first, SadRun& differences) {
+void compareAlong(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int first,
+                  SadRun& differences) {
   const LevelPixel from = line.at(first);
   const LevelPixel to = line.at(first + kSadRun - 1);
   // The steps are rounded: if all together are one pixel each, every single one is. This is nearly always so.
@@ -79,8 +78,7 @@ void compareAlong(const SadWindow<Processor>& left, const PyramidLevel& right, c
 }
 
 /// The lowest local minima of the SAD over the whole range of disparity.
-template <typename Processor>
-Candidates searchCoarsest(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
+Candidates searchCoarsest(const SadWindow& left, const PyramidLevel& right, const LevelLine& line,
                           int maximum_disparity) {
   std::array<int, kCandidates> best_sad;
   best_sad.fill(kSadOutsideImage);
@@ -113,9 +111,8 @@ Candidates searchCoarsest(const SadWindow<Processor>& left, const PyramidLevel& 
 }
 
 /// The disparity of the least SAD around a given one, and that SAD.
-template <typename Processor>
-int searchAround(const SadWindow<Processor>& left, const PyramidLevel& right, const LevelLine& line,
-                 int disparity, int& best_sad) {
+int searchAround(const SadWindow& left, const PyramidLevel& right, const LevelLine& line, int disparity,
+                 int& best_sad) {
   SadRun differences;
   compareAlong(left, right, line, disparity - kSearchRadius, differences);
   // The first minimum, without a branch on each comparison.
@@ -130,13 +127,12 @@ int searchAround(const SadWindow<Processor>& left, const PyramidLevel& right, co
 
 /// The best correlation around an integer disparity and its sub-pixel position. Left and right are sampled at
 /// the same fractions of a pixel: the same blur in both, so that interpolation causes no bias.
-template <typename Processor>
 StereoMatch correlateAround(const NccTemplate& left, const PyramidLevel& right, const Eigen::Vector2d& pixel,
                             const EpipolarLine& line, int disparity, int rows) {
   StereoMatch best;
   const Eigen::Vector2d centre = line.at(pixel, disparity);
   if (!right.contains(centre)) return best;
-  const NccPeak peak = highestPeak<Processor>(left, right, centre, rows);
+  const NccPeak peak = highestPeak(left, right, centre, rows);
   if (peak.height <= 0.0) return best;
   // Near the epipole a column is many disparities.
   const double per_column = 1.0 / std::max(1.0 - line.per_disparity.x(), kMinimumColumnsPerDisparity);
@@ -155,19 +151,18 @@ struct PyramidPair {
 };
 
 /// The best disparities in the finest difference of Gaussians, searched coarse to fine, and their SADs.
-template <typename Processor>
 Candidates searchDown(const PyramidPair& images, const Eigen::Vector2d& left, const EpipolarLine& line,
                       int maximum_disparity, std::array<int, kCandidates>& difference) {
   const int coarsest = kFinestDog + static_cast<int>(images.left_dog.size()) - 1;
   const PyramidLevel& coarse = images.left_dog.back();
   const LevelPixel coarse_pixel = pixelAt(coarse, left, coarsest);
   Candidates candidates =
-      searchCoarsest(SadWindow<Processor>(coarse, coarse_pixel), images.right_dog.back(),
+      searchCoarsest(SadWindow(coarse, coarse_pixel), images.right_dog.back(),
                      LevelLine(coarse_pixel, line, coarsest), (maximum_disparity >> coarsest) + 1);
   for (int level = coarsest - 1; level >= kFinestDog; --level) {
     const PyramidLevel& left_level = images.left_dog[level - kFinestDog];
     const LevelPixel pixel = pixelAt(left_level, left, level);
-    const SadWindow<Processor> window(left_level, pixel);
+    const SadWindow window(left_level, pixel);
     const LevelLine level_line(pixel, line, level);
     for (int i = 0; i < candidates.count; ++i)
       candidates.disparity[i] = searchAround(window, images.right_dog[level - kFinestDog], level_line,
@@ -186,23 +181,22 @@ struct MatchRequest {
 };
 
 /// The match in px of the finest level, whatever its disparity; nothing if it is ambiguous.
-template <typename Processor>
 std::optional<StereoMatch> findUniqueMatch(const MatchRequest& request) {
   const auto& [images, left, line, maximum_disparity, settings] = request;
   std::array<int, kCandidates> difference{};
-  const Candidates candidates = searchDown<Processor>(images, left, line, maximum_disparity, difference);
+  const Candidates candidates = searchDown(images, left, line, maximum_disparity, difference);
   if (candidates.count == 0) return std::nullopt;
   const int least = *std::min_element(difference.begin(), difference.begin() + candidates.count);
 
   NccTemplate patch;
-  makeTemplate<Processor>(images.left, left, patch);
+  makeTemplate(images.left, left, patch);
   if (patch.norm < 0.5 * kGreyUnits) return std::nullopt;
   StereoMatch best;
   double second_best = 0.0;  // correlation of the best candidate at another disparity
   for (int i = 0; i < candidates.count; ++i) {
     if (difference[i] > settings.maximum_sad_ratio * least) continue;
-    const StereoMatch match = correlateAround<Processor>(
-        patch, images.right, left, line, candidates.disparity[i] << kFinestDog, settings.rows);
+    const StereoMatch match = correlateAround(patch, images.right, left, line,
+                                              candidates.disparity[i] << kFinestDog, settings.rows);
     if (match.correlation <= 0.0) continue;
     const bool elsewhere = std::abs(match.disparity - best.disparity) > kMinimumPeakDistance;
     if (match.correlation > best.correlation) {
@@ -217,8 +211,9 @@ std::optional<StereoMatch> findUniqueMatch(const MatchRequest& request) {
   return best;
 }
 
-CARTVO_BY_PROCESSOR(std::optional<StereoMatch>, dispatchMatch, (const MatchRequest& request), (request),
-                    findUniqueMatch)
+CARTVO_TARGET_CLONES std::optional<StereoMatch> dispatchMatch(const MatchRequest& request) {
+  return findUniqueMatch(request);
+}
 
 }  // namespace
 

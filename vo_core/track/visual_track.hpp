@@ -113,6 +113,7 @@ class VisualTrack {
     StillRegions still_regions;
     MotionRoughness roughness;
     PredictionErrors prediction_errors;
+    Vector6d readout_error = Vector6d::Zero();  ///< MotionError::by_readout of the last motion
   };
 
   /// Landmarks, window and estimates with the current pair, before it is accepted.
@@ -184,6 +185,7 @@ class VisualTrack {
   std::optional<Eigen::Isometry3d> motionByLongerReadouts(Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
+  void keepReadoutError(Draft& draft, Vector6d& error) const;
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion) const;

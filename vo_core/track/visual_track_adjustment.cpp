@@ -110,6 +110,15 @@ std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draf
   return poses[poses.size() - 2].T_world_camera.inverse() * poses.back().T_world_camera;
 }
 
+/// The landmarks have the error of the readouts that they were seen with: it fades as the window is
+/// exchanged, and does not end with the uncertainty of the readouts.
+void VisualTrack::keepReadoutError(Draft& draft, Vector6d& error) const {
+  Vector6d& kept = draft.estimates.readout_error;
+  kept *= 1.0 - 1.0 / settings_.bundle.frames;
+  error = (error.array().abs() < kept.array().abs()).select(kept, error);
+  kept = error;
+}
+
 /// Whether so few landmarks match in stereo that these may do so by chance; sets the reason. The mean of the
 /// share is updated by each motion that is valid otherwise.
 bool VisualTrack::lacksStereo(TrackedMotion& motion) {
@@ -149,6 +158,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     motion.error.by_readout =
         errorByReadouts(motion.T_previous_current, *by_longer_readouts, draft.estimates.readouts);
   }
+  keepReadoutError(draft, motion.error.by_readout);
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);

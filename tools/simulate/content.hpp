@@ -10,25 +10,17 @@
 
 namespace cartvo::simulate {
 
-/// What a pair of simulated cameras shows: a rendered world or a recorded image sequence. Instants are
-/// exposures in ns since the start of the content, separate for each camera.
-class Content {
+/// A drive of two cameras: when they are exposed, and where the cart is. Instants are exposures in ns since
+/// the start of the content, separate for each camera.
+class ContentDescription {
  public:
-  virtual ~Content() = default;
+  virtual ~ContentDescription() = default;
 
   virtual calib::Rig rig() const = 0;
   virtual double frameRate() const = 0;  ///< nominal, Hz
   virtual int pairCount() const = 0;
   virtual std::int64_t leftInstant(int index) const = 0;
   virtual std::int64_t rightInstant(int index) const = 0;
-
-  /// The images at `index` (CV_8UC1, raw, i.e. distorted by the rig's lenses), each at its camera's own
-  /// instant. Deterministic; may use all cores.
-  virtual void images(int index, cv::Mat& left, cv::Mat& right) const = 0;
-
-  /// Whether the cart is at standstill in the first picture. If not, the lead-in is blank: a repeated first
-  /// picture would be a standstill followed by a jump to full speed.
-  virtual bool startsAtStandstill() const { return true; }
 
   /// T_world_body at the left instants, exact or as recorded; empty if unknown. World: body axes at the
   /// start.
@@ -37,6 +29,18 @@ class Content {
   /// As truth(), and between the left instants too where the motion is known there: motions faster than half
   /// the frame rate, such as vibrations, have a velocity that the poses at the left instants do not show.
   virtual Trajectory denseTruth() const { return truth(); }
+};
+
+/// A drive as pictures: a rendered world or a recorded image sequence.
+class Content : public ContentDescription {
+ public:
+  /// The images at `index` (CV_8UC1, raw, i.e. distorted by the rig's lenses), each at its camera's own
+  /// instant. Deterministic; may use all cores.
+  virtual void images(int index, cv::Mat& left, cv::Mat& right) const = 0;
+
+  /// Whether the cart is at standstill in the first picture. If not, the lead-in is blank: a repeated first
+  /// picture would be a standstill followed by a jump to full speed.
+  virtual bool startsAtStandstill() const { return true; }
 
   /// Key of everything that the images depend on, for caching encoded streams.
   virtual std::string cacheKey() const = 0;

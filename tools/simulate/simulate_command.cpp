@@ -20,6 +20,7 @@
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
+#include "tools/simulate/recorded_drive.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 #include "tools/simulate/server/generated_password.hpp"
@@ -102,24 +103,30 @@ std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const 
   return streams;
 }
 
-void writeCameras(const SimulateOptions& options, const Content& content,
+std::string nameOfContent(const SimulateOptions& options) {
+  if (!options.recording.empty()) return "recording " + options.recording.string();
+  return options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string();
+}
+
+void writeCameras(const SimulateOptions& options, const ContentDescription& drive,
                   const CameraPairSimulation& simulation) {
-  const calib::Rig rig = content.rig();
-  const CameraTiming timing = cameraTiming(options);
+  const calib::Rig rig = drive.rig();
   nlohmann::ordered_json cameras{
       {"left", {{"url", simulation.left().url()}}},
       {"right", {{"url", simulation.right().url()}}},
       {"user", options.user},
       {"width", rig.left.size.width},
       {"height", rig.left.size.height},
-      {"frame_rate", content.frameRate()},
-      {"pairs", content.pairCount()},
-      {"offset_ms", timing.offset_ms},
-      {"offset_drift_ppm", timing.offset_drift_ppm},
+      {"frame_rate", drive.frameRate()},
+      {"pairs", drive.pairCount()},
       {"readout_ms", {1e3 * rig.left.readout.value_or(0.0), 1e3 * rig.right.readout.value_or(0.0)}},
-      {"bitrate_kbps", options.encoder.bitrate_kbps},
-      {"content",
-       options.sequence.empty() ? "world " + options.world : "sequence " + options.sequence.string()}};
+      {"content", nameOfContent(options)}};
+  if (options.recording.empty()) {
+    const CameraTiming timing = cameraTiming(options);
+    cameras["offset_ms"] = timing.offset_ms;
+    cameras["offset_drift_ppm"] = timing.offset_drift_ppm;
+    cameras["bitrate_kbps"] = options.encoder.bitrate_kbps;
+  }
   // times_0.txt and times_1.txt are relative to this system time.
   if (simulation.epoch()) {
     cameras["epoch_ns"] = *simulation.epoch();
@@ -145,7 +152,7 @@ CameraPairSettings pairSettings(const SimulateOptions& options) {
           .end = options.loop ? ContentEnd::repeat : ContentEnd::stop};
 }
 
-void serve(const SimulateOptions& options, const Content& content,
+void serve(const SimulateOptions& options, const ContentDescription& drive,
            const std::shared_ptr<const EncodedPair>& streams) {
   constexpr auto kPollInterval = std::chrono::milliseconds(20);
   constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
@@ -153,8 +160,8 @@ void serve(const SimulateOptions& options, const Content& content,
   createFolders(options.output);
   fs::remove(options.output / "truth.tum");  // that of an earlier run has another epoch
   CameraPairSimulation simulation(streams, pairSettings(options));
-  writeDescription(options.output, content);
-  writeCameras(options, content, simulation);
+  writeDescription(options.output, drive);
+  writeCameras(options, drive, simulation);
   printLine("ready: " + simulation.left().url() + " " + simulation.right().url());
   if (options.start_when_watched) printLine("waiting until clients play both cameras");
 
@@ -164,11 +171,11 @@ void serve(const SimulateOptions& options, const Content& content,
     simulation.update();
     if (simulation.epoch() && !announced) {
       announced = true;
-      writeTruth(options.output, content, *simulation.epoch());
-      writeCameras(options, content, simulation);
+      writeTruth(options.output, drive, *simulation.epoch());
+      writeCameras(options, drive, simulation);
       char line[160];
       std::snprintf(line, sizeof line, "content: %d pairs at %.3f Hz from Unix time %.3f on%s",
-                    content.pairCount(), content.frameRate(), static_cast<double>(*simulation.epoch()) * 1e-9,
+                    drive.pairCount(), drive.frameRate(), static_cast<double>(*simulation.epoch()) * 1e-9,
                     options.loop ? ", repeated" : "");
       printLine(line);
     }
@@ -181,21 +188,33 @@ void serve(const SimulateOptions& options, const Content& content,
   printLine(simulation.isFinished() ? "end of content" : "stopped");
 }
 
+void renderPictures(const SimulateOptions& options, const Content& content) {
+  const Interruption interruption;
+  ProgressBar bar("pairs");
+  renderFolder(options.output, content, [&](int done, int total) {
+    interruption.check();
+    bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+  });
+  std::printf("%d pairs: %s\n", content.pairCount(), options.output.c_str());
+}
+
 void run(const SimulateOptions& options) {
-  const std::unique_ptr<Content> content = makeContent(options);
-  if (options.render) {
-    const Interruption interruption;
-    ProgressBar bar("pairs");
-    renderFolder(options.output, *content, [&](int done, int total) {
-      interruption.check();
-      bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
-    });
-    std::printf("%d pairs: %s\n", content->pairCount(), options.output.c_str());
-    return;
+  const bool serves = !options.prepare_only && !options.render && !options.encode;
+  if (serves) checkResultFiles({options.output / "cameras.json"});
+  if (!options.recording.empty()) {
+    if (!serves)
+      throw std::runtime_error("--recording is encoded already: there is nothing to prepare or to write");
+    const RecordedDrive drive(options.recording, options.seconds, options.encoder);
+    return serve(options, drive, drive.streams());
   }
-  if (!options.prepare_only) checkResultFiles({options.output / "cameras.json"});
+  const std::unique_ptr<Content> content = makeContent(options);
+  if (options.render) return renderPictures(options, *content);
   const std::shared_ptr<const EncodedPair> streams = prepareStreams(*content, options);
-  if (!options.prepare_only) serve(options, *content, streams);
+  if (options.encode) {
+    recordFolder(options.output, *content, *streams);
+    std::printf("%d pairs: %s\n", content->pairCount(), options.output.c_str());
+  }
+  if (serves) serve(options, *content, streams);
 }
 
 }  // namespace
@@ -215,7 +234,9 @@ void addSimulateCommand(CLI::App& cartvo) {
       "By default rendered cameras are as users have them: wide lenses, rolling shutters, free-running "
       "clocks.\n"
       "Examples:\n"
-      "  cartvo simulate                                      a campus drive of six seconds\n"
+      "  cartvo simulate                                      the sample drive; nothing is rendered\n"
+      "  cartvo simulate --world campus                       a rendered drive of six seconds\n"
+      "  cartvo simulate --recording drive                    a recording of cartvod\n"
       "  cartvo simulate --world turns --offset-ms 12         the right camera exposed 12 ms later\n"
       "  cartvo simulate --offset-ms 0 --readout-ms 0         synchronised global shutters\n"
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"

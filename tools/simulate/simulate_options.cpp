@@ -9,6 +9,7 @@
 
 #include "common/image_size.hpp"
 #include "tools/cartvo/readout_option.hpp"
+#include "tools/simulate/recorded_drive.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 
 namespace cartvo {
@@ -63,7 +64,7 @@ void addMotionOptions(CLI::App& group, SimulateOptions& options, CLI::Option* se
   amplitude->needs(frequency);
 }
 
-void addContentOptions(CLI::App& command, SimulateOptions& options) {
+CLI::App& addContentOptions(CLI::App& command, SimulateOptions& options) {
   std::string worlds;
   for (const world::Scenario scenario : world::allScenarios()) {
     worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
@@ -79,10 +80,17 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
           ->type_name("DIR");
   world->capture_default_str();
   sequence->excludes(world);
+  CLI::Option* recording =
+      group
+          ->add_option("--recording", options.recording,
+                       "A recording of cartvod in H.264, or a drive by --encode (default: the sample\n"
+                       "drive, unless another option of this group is given)")
+          ->type_name("DIR");
+  recording->excludes(world)->excludes(sequence);
   group
       ->add_option("--seconds", options.seconds,
-                   "Length in seconds (default: 6 if rendered, or the whole sequence); a second\n"
-                   "takes some ten seconds to render, once")
+                   "Length in seconds (default: 6 if rendered, or the whole sequence or recording);\n"
+                   "a second takes some ten seconds to render, once")
       ->check(CLI::Range(0.05, 36000.0));
   group->add_option("--seed", options.drive.seed, "Seed of the rendered world and its noise")
       ->capture_default_str();
@@ -110,6 +118,9 @@ void addContentOptions(CLI::App& command, SimulateOptions& options) {
                    "--offset-ms)")
       ->check(CLI::Range(-kMaxDrift, kMaxDrift));
   addMotionOptions(*group, options, sequence);
+  for (CLI::Option* option : group->get_options())
+    if (option != recording && option->get_name() != "--seconds") option->excludes(recording);
+  return *group;
 }
 
 void addCameraOptions(CLI::App& command, SimulateOptions& options) {
@@ -168,6 +179,8 @@ void addFileOptions(CLI::App& command, SimulateOptions& options) {
   group->add_flag("--prepare-only", options.prepare_only, "Only render, encode and cache");
   group->add_flag("--render", options.render,
                   "Serve no cameras: write an image folder with its ground truth, the output folder");
+  group->add_flag("--encode", options.encode,
+                  "Serve no cameras: write a recording in H.264 with its ground truth, the output folder");
 }
 
 }  // namespace
@@ -201,9 +214,15 @@ CameraTiming cameraTiming(const SimulateOptions& options) {
 }
 
 void addSimulateOptions(CLI::App& command, SimulateOptions& options) {
-  addContentOptions(command, options);
+  CLI::App& content = addContentOptions(command, options);
   addCameraOptions(command, options);
   addFileOptions(command, options);
+  command.parse_complete_callback([&content, &options] {
+    const std::vector<CLI::Option*> given =
+        content.get_options([](const CLI::Option* option) { return option->count() > 0; });
+    const bool makes_files = options.render || options.encode || options.prepare_only;
+    if (given.empty() && !makes_files) options.recording = simulate::sampleDrive();
+  });
 }
 
 }  // namespace cartvo

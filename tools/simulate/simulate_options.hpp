@@ -26,7 +26,8 @@ inline world::WorldSettings shortDrive() {
 struct SimulateOptions {
   std::string world = "campus";
   std::filesystem::path sequence;
-  double seconds = 0.0;  ///< 0: the content's own length
+  std::filesystem::path recording;  ///< the sample drive unless other content is named
+  double seconds = 0.0;             ///< 0: the content's own length
   world::WorldSettings drive = shortDrive();
   std::string size = "680x420";
   std::optional<double> offset_ms;         ///< empty: see cameraTiming
@@ -50,6 +51,7 @@ struct SimulateOptions {
   bool no_cache = false;
   bool prepare_only = false;
   bool render = false;
+  bool encode = false;
 };
 
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.
@@ -69,7 +71,8 @@ struct CameraTiming {
 /// std::invalid_argument if the readouts are no numbers.
 CameraTiming cameraTiming(const SimulateOptions& options);
 
-/// Adds the options to `command`; `options` must outlive it.
+/// Adds the options to `command`; `options` must outlive it. Without options of the content, the sample drive
+/// is played.
 void addSimulateOptions(CLI::App& command, SimulateOptions& options);
 
 }  // namespace cartvo

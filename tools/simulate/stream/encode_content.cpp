@@ -29,26 +29,18 @@ class StreamWriter {
   }
 
   void add(const cv::Mat& image, std::int64_t instant_ns) {
-    constexpr double kGrey = 128;
-    if (stream_.units.empty())
-      addLeadIn(starts_at_standstill_ ? image : cv::Mat(image.size(), CV_8UC1, cv::Scalar(kGrey)));
+    if (stream_.units.empty()) {
+      if (starts_at_standstill_)
+        addLeadIn(stream_, image, settings_);
+      else
+        addBlankLeadIn(stream_, settings_);
+    }
     stream_.units.push_back(append(stream_, encoder_.encode(image), instant_ns));
   }
 
   EncodedStream releaseStream() { return std::move(stream_); }
 
  private:
-  // Encodes one key-frame interval of `image`, so that it can be repeated.
-  void addLeadIn(const cv::Mat& image) {
-    StreamEncoder standstill_encoder(settings_, stream_.size, stream_.frame_rate);
-    const int count =
-        std::max(1, static_cast<int>(std::lround(settings_.key_frame_interval * stream_.frame_rate)));
-    for (int index = 0; index < count; ++index) {
-      stream_.lead_in.push_back(
-          append(stream_, standstill_encoder.encode(image), std::llround(index * 1e9 / stream_.frame_rate)));
-    }
-  }
-
   EncoderSettings settings_;
   bool starts_at_standstill_;
   StreamEncoder encoder_;
@@ -56,6 +48,21 @@ class StreamWriter {
 };
 
 }  // namespace
+
+void addLeadIn(EncodedStream& stream, const cv::Mat& image, const EncoderSettings& settings) {
+  StreamEncoder encoder(settings, stream.size, stream.frame_rate);
+  const int count =
+      std::max(1, static_cast<int>(std::lround(settings.key_frame_interval * stream.frame_rate)));
+  for (int index = 0; index < count; ++index) {
+    stream.lead_in.push_back(
+        append(stream, encoder.encode(image), std::llround(index * 1e9 / stream.frame_rate)));
+  }
+}
+
+void addBlankLeadIn(EncodedStream& stream, const EncoderSettings& settings) {
+  constexpr double kGrey = 128;
+  addLeadIn(stream, cv::Mat(stream.size, CV_8UC1, cv::Scalar(kGrey)), settings);
+}
 
 EncodedPair encodeContent(const Content& content, const EncoderSettings& settings, const Progress& progress) {
   const int count = content.pairCount();

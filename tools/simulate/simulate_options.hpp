@@ -6,13 +6,14 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "common/command_line/cli11_forward.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo {
+
+class Command;
 
 /// A drive that is rendered in a minute: about two pairs a second on two cores.
 inline world::WorldSettings shortDrive() {
@@ -70,6 +71,6 @@ struct CameraTiming {
 CameraTiming cameraTiming(const SimulateOptions& options);
 
 /// Adds the options to `command`; `options` must outlive it.
-void addSimulateOptions(CLI::App& command, SimulateOptions& options);
+void addSimulateOptions(Command command, SimulateOptions& options);
 
 }  // namespace cartvo

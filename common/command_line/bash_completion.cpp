@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/parser.hpp"
 
 namespace cartvo {
 namespace {
@@ -36,42 +36,36 @@ constexpr const char* kChoose = R"(  COMPREPLY=()
 )";
 
 /// A command with the names that lead to it: `cartvo calibrate live`.
-struct Command {
+struct NamedCommand {
   std::string path;
-  const CLI::App* app = nullptr;
+  Command command;
 };
 
-std::vector<const CLI::App*> namedCommands(const CLI::App& app) {
-  return app.get_subcommands(
-      [](const CLI::App* command) { return !command->get_name().empty() && !command->get_group().empty(); });
+std::vector<Command> visibleSubcommands(Command command) {
+  std::vector<Command> visible;
+  for (const Command inner : command.subcommands()) {
+    if (!inner.isHidden()) visible.push_back(inner);
+  }
+  return visible;
 }
 
-void addCommands(const Command& command, std::vector<Command>& commands) {
-  commands.push_back(command);
-  for (const CLI::App* inner : namedCommands(*command.app))
-    addCommands({command.path + " " + inner->get_name(), inner}, commands);
+void addCommands(const NamedCommand& named, std::vector<NamedCommand>& commands) {
+  commands.push_back(named);
+  for (const Command inner : visibleSubcommands(named.command))
+    addCommands({named.path + " " + inner.name(), inner}, commands);
 }
 
-/// The visible options of a command and of its groups, which CLI11 keeps as commands without a name.
-std::vector<const CLI::Option*> optionsOf(const CLI::App& app) {
-  std::vector<const CLI::Option*> options =
-      app.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
-  for (const CLI::App* group :
-       app.get_subcommands([](const CLI::App* part) { return part->get_name().empty(); })) {
-    for (const CLI::Option* option : optionsOf(*group)) {
-      if (option != group->get_help_ptr()) options.push_back(option);
-    }
+/// The visible options of a command and of its groups.
+std::vector<Option> optionsOf(Command command) {
+  std::vector<Option> options;
+  for (const Option option : command.options()) {
+    if (!option.groupName().empty()) options.push_back(option);
+  }
+  for (const Command group : command.optionGroups()) {
+    for (const Option option : optionsOf(group))
+      options.push_back(option);
   }
   return options;
-}
-
-std::vector<std::string> namesOf(const CLI::Option& option) {
-  std::vector<std::string> names;
-  for (const std::string& name : option.get_lnames())
-    names.push_back("--" + name);
-  for (const std::string& name : option.get_snames())
-    names.push_back("-" + name);
-  return names;
 }
 
 void append(std::string& words, const std::string& word) {
@@ -96,12 +90,8 @@ std::string kindOf(const std::string& type) {
   return name == "FILE" || name == "PATH" || name == "TEXT" ? "files" : "other";
 }
 
-bool takesValue(const CLI::Option& option) {
-  return option.nonpositional() && option.get_items_expected_min() > 0;
-}
-
 /// The case that finds out which command the words before the cursor name.
-std::string caseOfWords(const std::vector<Command>& commands) {
+std::string caseOfWords(const std::vector<NamedCommand>& commands) {
   std::string patterns;
   for (auto command = commands.begin() + 1; command != commands.end(); ++command)
     patterns += (patterns.empty() ? "      '" : " | \\\n      '") + command->path + "'";
@@ -110,26 +100,26 @@ std::string caseOfWords(const std::vector<Command>& commands) {
          patterns + ") command+=\" ${COMP_WORDS[i]}\" ;;\n    esac\n  done\n";
 }
 
-std::string caseOfCommand(const Command& command) {
+std::string caseOfCommand(const NamedCommand& named) {
   std::string words;
-  for (const CLI::App* inner : namedCommands(*command.app))
-    append(words, inner->get_name());
+  for (const Command inner : visibleSubcommands(named.command))
+    append(words, inner.name());
   std::string names;
   bool takes_arguments = false;
-  for (const CLI::Option* option : optionsOf(*command.app)) {
-    takes_arguments = takes_arguments || option->get_positional();
-    for (const std::string& name : namesOf(*option))
+  for (const Option option : optionsOf(named.command)) {
+    takes_arguments = takes_arguments || option.isArgument();
+    for (const std::string& name : option.names())
       append(names, name);
   }
-  return "    '" + command.path + "')" + (words.empty() ? "" : " words='" + words + "'") + " options='" +
+  return "    '" + named.path + "')" + (words.empty() ? "" : " words='" + words + "'") + " options='" +
          names + "'" + (takes_arguments ? " arguments=files" : "") + " ;;\n";
 }
 
-std::string caseOfValue(const Command& command, const CLI::Option& option) {
+std::string caseOfValue(const NamedCommand& named, Option option) {
   std::string patterns;
-  for (const std::string& name : namesOf(option))
-    patterns += (patterns.empty() ? "'" : " | '") + command.path + " " + name + "'";
-  const std::string type = option.get_type_name();
+  for (const std::string& name : option.names())
+    patterns += (patterns.empty() ? "'" : " | '") + named.path + " " + name + "'";
+  const std::string type = option.type();
   const std::string kind = kindOf(type);
   return "    " + patterns + ") value=" + kind + (kind == "words" ? " words='" + choicesOf(type) + "'" : "") +
          " ;;\n";
@@ -137,9 +127,9 @@ std::string caseOfValue(const Command& command, const CLI::Option& option) {
 
 }  // namespace
 
-std::string bashCompletion(const CLI::App& program, const std::string& name) {
-  std::vector<Command> commands;
-  addCommands({name, &program}, commands);
+std::string bashCompletion(Command program, const std::string& name) {
+  std::vector<NamedCommand> commands;
+  addCommands({name, program}, commands);
   std::string script = "# Completion of " + name + " in bash. Printed by: " + name + " " + kFlag + "\n_" +
                        name + "() {\n  local command=" + name +
                        R"( words='' options='' arguments='' value=''
@@ -152,26 +142,26 @@ std::string bashCompletion(const CLI::App& program, const std::string& name) {
   fi
 )" + caseOfWords(commands) +
                        "  case \"$command\" in\n";
-  for (const Command& command : commands)
+  for (const NamedCommand& command : commands)
     script += caseOfCommand(command);
   script += "  esac\n  case \"$command $previous\" in\n";
-  for (const Command& command : commands) {
-    for (const CLI::Option* option : optionsOf(*command.app)) {
-      if (takesValue(*option)) script += caseOfValue(command, *option);
+  for (const NamedCommand& named : commands) {
+    for (const Option option : optionsOf(named.command)) {
+      if (!option.names().empty() && option.needsValue()) script += caseOfValue(named, option);
     }
   }
   return script + "  esac\n" + kChoose + "complete -F _" + name + " " + name + "\n";
 }
 
-void addBashCompletionFlag(CLI::App& program, const std::string& name) {
+void addBashCompletionFlag(Command program, const std::string& name) {
   program
-      .add_flag_callback(kFlag,
-                         [&program, name] {
-                           std::string script = bashCompletion(program, name);
-                           script.pop_back();  // exit() ends it with a line feed
-                           throw CLI::CallForVersion(script, 0);
-                         })
-      ->group("");
+      .addTextFlag(kFlag,
+                   [program, name] {
+                     std::string script = bashCompletion(program, name);
+                     script.pop_back();  // a line feed is printed after the text
+                     return script;
+                   })
+      .group("");
 }
 
 }  // namespace cartvo

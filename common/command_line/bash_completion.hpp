@@ -3,18 +3,17 @@
 
 #include <string>
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// A bash script that completes the commands, options and values of `program`, which is called `name`. What
-/// is hidden in
-/// --help is left out. Values are completed by the kind that --help shows: a choice ({a,b}), FILE or PATH,
-/// DIR.
-std::string bashCompletion(const CLI::App& program, const std::string& name);
+/// is hidden in --help is left out. Values are completed by the kind that --help shows: a choice ({a,b}),
+/// FILE or PATH, DIR.
+std::string bashCompletion(Command program, const std::string& name);
 
 /// Adds the hidden flag --bash-completion, which prints bashCompletion() and ends the program with success.
 /// Call it after all commands and options have been added, on the program itself.
-void addBashCompletionFlag(CLI::App& program, const std::string& name);
+void addBashCompletionFlag(Command program, const std::string& name);
 
 }  // namespace cartvo

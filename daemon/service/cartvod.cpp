@@ -12,11 +12,11 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"
 #include "daemon/diagnostics/journal.hpp"
@@ -40,17 +40,15 @@ struct CommandLine {
   bool check_only = false;
 };
 
-void describe(CLI::App& app, CommandLine& command_line) {
-  app.description(
-      "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
-  app.set_version_flag("--version", "cartvod " CARTVO_VERSION);
-  app.add_option("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
-      ->required();
-  app.add_flag("--check-config", command_line.check_only,
-               "Check the configuration, the rig file and the passwords, then exit");
-  app.add_option("--record", command_line.recording_directory,
-                 "Record both streams as received into this folder (overrides recording.directory)");
-  cartvo::addBashCompletionFlag(app, "cartvod");
+void describe(cartvo::Command program, CommandLine& command_line) {
+  program.addVersionFlag("--version", "cartvod " CARTVO_VERSION);
+  program.addOption("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
+      .required();
+  program.addFlag("--check-config", command_line.check_only,
+                  "Check the configuration, the rig file and the passwords, then exit");
+  program.addOption("--record", command_line.recording_directory,
+                    "Record both streams as received into this folder (overrides recording.directory)");
+  cartvo::addBashCompletionFlag(program, "cartvod");
 }
 
 /// Reads and checks the configuration. `start`: name of this start's recording folder.
@@ -144,15 +142,18 @@ int run(const CommandLine& command_line) {
 int main(int argument_count, char** arguments) {
   cartvo::occupyStandardDescriptors();
   cartvo::daemon::setUpLog(spdlog::level::info);
-  CLI::App app;
+  const std::vector<std::string> words(arguments, arguments + argument_count);
+  cartvo::Program program(
+      words.empty() ? "cartvod" : words.front(),
+      "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
   CommandLine command_line;
-  describe(app, command_line);
+  describe(program.command(), command_line);
   int code = kStopped;
   try {
-    app.parse(argument_count, arguments);
-    code = run(command_line);
-  } catch (const CLI::ParseError& error) {
-    code = app.exit(error) == 0 ? kStopped : kWrongConfiguration;
+    if (program.parse({words.begin() + (words.empty() ? 0 : 1), words.end()})) code = run(command_line);
+  } catch (const cartvo::CommandLineError& error) {
+    std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.what());
+    code = kWrongConfiguration;
   }
   const std::string output_error = cartvo::standardOutputError();
   if (!output_error.empty()) spdlog::error(output_error);

@@ -1,9 +1,9 @@
 // The command line of `cartvo benchmark`, and of its subcommand thesis.
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/accuracy/benchmark_ablation.hpp"
 #include "tools/benchmark/accuracy/benchmark_accuracy.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
@@ -41,12 +41,12 @@ void runThesis(const ThesisOptions& options) {
       [&](ReportFormat format) { return thesisTables(results, format); });
 }
 
-void addThesis(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("thesis", "Repeat the tables of the thesis beside its own values");
+void addThesis(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("thesis", "Repeat the tables of the thesis beside its own values");
   const auto options = std::make_shared<ThesisOptions>();
-  addBenchmarkOptions(*command, options->common);
-  command->footer(
+  addBenchmarkOptions(command, options->common);
+  command.footer(
       "Table 5-1 (depth regression with and without sub-pixel disparities, against rendered depth), Figures "
       "4-13\n"
       "and 4-14 (feature counts with a fixed and with adaptive thresholds), Table 5-2 (time of each stage "
@@ -58,24 +58,24 @@ void addThesis(CLI::App& benchmark) {
       "Examples:\n"
       "  cartvo benchmark thesis --data ../shared/data\n"
       "  cartvo benchmark thesis --json --output thesis.json");
-  command->callback([options] { runThesis(*options); });
+  command.callback([options] { runThesis(*options); });
 }
 
 }  // namespace
 
-void addBenchmarkCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("benchmark", "Measure the odometry on real sequences and rendered worlds");
-  command->require_subcommand(1);
-  command->footer("'cartvo benchmark SUBCOMMAND --help' describes each of them.");
-  addAccuracyBenchmark(*command);
-  addAblationBenchmark(*command);
-  addOffsetBenchmark(*command);
-  addRobustnessBenchmark(*command);
-  addSensitivityBenchmark(*command);
-  addShutterBenchmark(*command);
-  addSpeedBenchmark(*command);
-  addThesis(*command);
+void addBenchmarkCommand(Command cartvo) {
+  const Command command =
+      cartvo.addSubcommand("benchmark", "Measure the odometry on real sequences and rendered worlds");
+  command.limitSubcommands(1, 1);
+  command.footer("'cartvo benchmark SUBCOMMAND --help' describes each of them.");
+  addAccuracyBenchmark(command);
+  addAblationBenchmark(command);
+  addOffsetBenchmark(command);
+  addRobustnessBenchmark(command);
+  addSensitivityBenchmark(command);
+  addShutterBenchmark(command);
+  addSpeedBenchmark(command);
+  addThesis(command);
 }
 
 }  // namespace cartvo

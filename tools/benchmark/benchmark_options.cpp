@@ -8,10 +8,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/version.hpp>
 
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/json_text.hpp"
 
@@ -117,20 +117,19 @@ ReportFormat BenchmarkOptions::reportFormat() const {
   return format == "markdown" ? ReportFormat::markdown : ReportFormat::text;
 }
 
-void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options) {
+void addBenchmarkOptions(Command command, BenchmarkOptions& options) {
   command
-      .add_option("--data", options.data,
-                  "Folder with real sequences, each an image folder with its poses.txt, or 'none'\n"
-                  "(default: $CARTVO_DATA, else ../shared/data)")
-      ->type_name("DIR");
+      .addOption("--data", options.data,
+                 "Folder with real sequences, each an image folder with its poses.txt, or 'none'\n"
+                 "(default: $CARTVO_DATA, else ../shared/data)")
+      .typeName("DIR");
   addReportOptions(command, options);
   addAlertLimitsOption(command, options.limits);
 }
 
-void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps,
-                       const std::string& description) {
+void addBitratesOption(Command command, std::vector<double>& bitrates_mbps, const std::string& description) {
   command
-      .add_option_function<std::vector<double>>(
+      .addListOption(
           "--bitrates-kbps",
           [&bitrates_mbps](const std::vector<double>& bitrates_kbps) {
             bitrates_mbps.clear();
@@ -138,22 +137,22 @@ void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps,
               bitrates_mbps.push_back(bitrate / 1000.0);
           },
           description)
-      ->delimiter(',')
-      ->check(CLI::Range(50.0, 200'000.0))
-      ->type_name("LIST");
+      .delimiter(',')
+      .range(50.0, 200'000.0)
+      .typeName("LIST");
 }
 
-void addReportOptions(CLI::App& command, BenchmarkOptions& options) {
-  command.add_option("--threads", options.threads, "Threads for rendering and image operations")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  CLI::Option* format = command.add_option("--format", options.format, "text or markdown")
-                            ->check(CLI::IsMember({"text", "markdown"}))
-                            ->type_name("NAME")
-                            ->capture_default_str();
-  command.add_flag("--json", options.json, "Report as JSON, with all numbers")->excludes(format);
-  command.add_option("--output", options.output, "Write the report to this file instead of the terminal")
-      ->type_name("FILE");
+void addReportOptions(Command command, BenchmarkOptions& options) {
+  command.addOption("--threads", options.threads, "Threads for rendering and image operations")
+      .range(1, 64)
+      .captureDefault();
+  const Option format = command.addOption("--format", options.format, "text or markdown")
+                            .choices({"text", "markdown"})
+                            .typeName("NAME")
+                            .captureDefault();
+  command.addFlag("--json", options.json, "Report as JSON, with all numbers").excludes(format);
+  command.addOption("--output", options.output, "Write the report to this file instead of the terminal")
+      .typeName("FILE");
 }
 
 fs::path dataFolder(const BenchmarkOptions& options) {
@@ -192,40 +191,40 @@ void requireSequences(const fs::path& data, const std::vector<world::WorldSettin
         "nothing to measure: neither real sequences nor scenarios; give --data or --scenarios");
 }
 
-CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice) {
+Option addWorldChoice(Command command, WorldChoice& choice) {
   command
-      .add_option("--set", choice.set,
-                  "Set of worlds: those on which numbers of the estimator are chosen (tuning: seeds\n"
-                  "below 10), or those that take no part in it and are reported (reporting: other\n"
-                  "scenarios, seeds from 10 on)" +
-                      std::string(choice.set.empty() ? "\n(default: both)" : ""))
-      ->check(CLI::IsMember({"tuning", "reporting"}))
-      ->type_name("NAME")
-      ->capture_default_str();
+      .addOption("--set", choice.set,
+                 "Set of worlds: those on which numbers of the estimator are chosen (tuning: seeds\n"
+                 "below 10), or those that take no part in it and are reported (reporting: other\n"
+                 "scenarios, seeds from 10 on)" +
+                     std::string(choice.set.empty() ? "\n(default: both)" : ""))
+      .choices({"tuning", "reporting"})
+      .typeName("NAME")
+      .captureDefault();
   command
-      .add_option("--seeds", choice.seeds,
-                  "Seeds of the worlds; each scenario is rendered with each seed\n(default: " +
-                      joined(choice.tuning_seeds) + " tuning, " +
-                      std::to_string(benchmark::defaultSeed(WorldSet::reporting)) + " reporting)")
-      ->delimiter(',')
-      ->type_name("LIST");
+      .addOption("--seeds", choice.seeds,
+                 "Seeds of the worlds; each scenario is rendered with each seed\n(default: " +
+                     joined(choice.tuning_seeds) + " tuning, " +
+                     std::to_string(benchmark::defaultSeed(WorldSet::reporting)) + " reporting)")
+      .delimiter(',')
+      .typeName("LIST");
   command
-      .add_option("--liveliness", choice.liveliness,
-                  "How much the drives named NAME+lively weave, bump, accelerate and brake")
-      ->check(CLI::Range(0.01, 1.0))
-      ->capture_default_str();
+      .addOption("--liveliness", choice.liveliness,
+                 "How much the drives named NAME+lively weave, bump, accelerate and brake")
+      .range(0.01, 1.0)
+      .captureDefault();
   command
-      .add_option("--start-at", choice.start_seconds,
-                  "Instant of each drive, s, at which the pictures begin (default: 0, at standstill;\n"
-                  "lively drives: in motion)")
-      ->check(CLI::Range(0.0, 3600.0));
+      .addOption("--start-at", choice.start_seconds,
+                 "Instant of each drive, s, at which the pictures begin (default: 0, at standstill;\n"
+                 "lively drives: in motion)")
+      .range(0.0, 3600.0);
   return command
-      .add_option("--scenarios", choice.scenarios,
-                  "Rendered drives; NAME+lively is the lively one of a scenario\n(default: " +
-                      joined(choice.tuning_scenarios) + " tuning, all reporting)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(driveNames()))
-      ->type_name("LIST");
+      .addOption("--scenarios", choice.scenarios,
+                 "Rendered drives; NAME+lively is the lively one of a scenario\n(default: " +
+                     joined(choice.tuning_scenarios) + " tuning, all reporting)")
+      .delimiter(',')
+      .choices(driveNames())
+      .typeName("LIST");
 }
 
 std::vector<world::WorldSettings> chosenWorlds(const WorldChoice& choice, int threads) {
@@ -252,17 +251,15 @@ std::string worldSetLine(const std::vector<world::WorldSettings>& worlds) {
   return names.empty() ? "" : "Set of the rendered worlds: " + joined(names) + "\n\n";
 }
 
-void addDriveOptions(CLI::App& command, DriveOptions& options) {
+void addDriveOptions(Command command, DriveOptions& options) {
   addWorldChoice(command, options.worlds);
-  command.add_option("--seconds", options.seconds, "Length of each drive")
-      ->check(CLI::Range(6.0, 3600.0))
-      ->capture_default_str();
-  command.add_option("--features", options.features, "Target number of features in each left image")
-      ->check(CLI::Range(50, 20000))
-      ->capture_default_str();
-  command.add_option("--cache-dir", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
-      ->type_name("DIR")
-      ->capture_default_str();
+  command.addOption("--seconds", options.seconds, "Length of each drive").range(6.0, 3600.0).captureDefault();
+  command.addOption("--features", options.features, "Target number of features in each left image")
+      .range(50, 20000)
+      .captureDefault();
+  command.addOption("--cache-dir", options.cache, "Folder for rendered worlds (0.4 GB per minute)")
+      .typeName("DIR")
+      .captureDefault();
 }
 
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads) {

@@ -9,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/command_line/cli11_forward.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/world_sets.hpp"
 #include "tools/cartvo/work_display.hpp"
@@ -19,6 +18,9 @@
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {
+
+class Command;
+class Option;
 
 /// Options that all subcommands of `cartvo benchmark` share.
 struct BenchmarkOptions {
@@ -33,15 +35,15 @@ struct BenchmarkOptions {
 };
 
 /// Adds --threads, --format, --json and --output. `options` must live as long as the command.
-void addReportOptions(CLI::App& command, BenchmarkOptions& options);
+void addReportOptions(Command command, BenchmarkOptions& options);
 
 /// Adds --bitrates-kbps, which sets `bitrates_mbps`, Mbit/s per camera. It must live as long as the
 /// command.
-void addBitratesOption(CLI::App& command, std::vector<double>& bitrates_mbps, const std::string& description);
+void addBitratesOption(Command command, std::vector<double>& bitrates_mbps, const std::string& description);
 
 /// Adds --data, --alert-limits and the options of addReportOptions. `options` must live as long as the
 /// command.
-void addBenchmarkOptions(CLI::App& command, BenchmarkOptions& options);
+void addBenchmarkOptions(Command command, BenchmarkOptions& options);
 
 /// The folder of real sequences: --data, else $CARTVO_DATA, else ../shared/data if it exists. Empty if there
 /// is none. Throws std::runtime_error if it is not a folder.
@@ -74,7 +76,7 @@ struct WorldChoice {
 
 /// Adds --set, --seeds, --liveliness, --start-at and --scenarios, and returns the last. `choice` must live as
 /// long as the command.
-CLI::Option* addWorldChoice(CLI::App& command, WorldChoice& choice);
+Option addWorldChoice(Command command, WorldChoice& choice);
 
 /// The worlds of each drive with each seed; other settings have their defaults. Throws std::runtime_error
 /// that names the scenario or seed which does not belong to the set.
@@ -93,7 +95,7 @@ struct DriveOptions {
 
 /// Adds the options of rendered drives. The values of `options` are the defaults; it must live as long as the
 /// command.
-void addDriveOptions(CLI::App& command, DriveOptions& options);
+void addDriveOptions(Command command, DriveOptions& options);
 
 /// The worlds of each scenario with each seed, with synchronised cameras.
 std::vector<world::WorldSettings> drivesOf(const DriveOptions& options, int threads);

@@ -1,6 +1,6 @@
 // `cartvo calibrate`: calibrates the cameras, their relative pose and their mounting on the cart.
-#include <CLI/CLI.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/board/calibrate_board.hpp"
 #include "tools/calibrate/calibrate_convert.hpp"
 #include "tools/calibrate/calibrate_rig.hpp"
@@ -13,10 +13,10 @@
 
 namespace cartvo {
 
-void addCalibrateCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("calibrate", "Calibrate the cameras, and related tools");
-  command->require_subcommand(0, 1);
-  command->footer(
+void addCalibrateCommand(Command cartvo) {
+  const Command command = cartvo.addSubcommand("calibrate", "Calibrate the cameras, and related tools");
+  command.limitSubcommands(0, 1);
+  command.footer(
       "Print a board (cartvo calibrate board), glue it to a flat plate, measure a square with a ruler or\n"
       "calliper, and record 20 to 40 pairs of images: near and far, in all corners of both images, tilted "
       "by\n"
@@ -32,14 +32,14 @@ void addCalibrateCommand(CLI::App& cartvo) {
       "  cartvo calibrate images --left-images 'left*.jpg' --right-images 'right*.jpg' --board "
       "aprilgrid:6x6:0.088:0.3 "
       "--output rig.yaml");
-  addCalibrateRig(*command);
-  addCalibrateBoard(*command);
-  addCalibrateCheck(*command);
-  addCalibrateConvert(*command);
-  addCalibrateMask(*command);
-  addCalibrateMount(*command);
-  addCalibratePlan(*command);
-  addCalibrateReadout(*command);
+  addCalibrateRig(command);
+  addCalibrateBoard(command);
+  addCalibrateCheck(command);
+  addCalibrateConvert(command);
+  addCalibrateMask(command);
+  addCalibrateMount(command);
+  addCalibratePlan(command);
+  addCalibrateReadout(command);
 }
 
 }  // namespace cartvo

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/next_step.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/simulate/simulate_options.hpp"
@@ -91,34 +91,33 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addCalibrateConvert(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand("convert", "Convert rigs from and to other tools' formats");
+void addCalibrateConvert(Command calibrate) {
+  const Command command = calibrate.addSubcommand("convert", "Convert rigs from and to other tools' formats");
   const auto options = std::make_shared<Options>();
   command
-      ->add_option("FILE", options->files,
-                   "A rig file in any format; for EuRoC's sensor.yaml and ROS' camera_info the left and the "
-                   "right file, for OpenCV's sample intrinsics.yml and extrinsics.yml")
-      ->required()
-      ->expected(1, 2);
-  command->add_option("--format", options->format, "Format to write")
-      ->check(CLI::IsMember(calib::rigFormatNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--output", options->output, "File to write; a folder for ros and euroc")
-      ->required()
-      ->type_name("PATH");
+      .addOption("FILE", options->files,
+                 "A rig file in any format; for EuRoC's sensor.yaml and ROS' camera_info the left and the "
+                 "right file, for OpenCV's sample intrinsics.yml and extrinsics.yml")
+      .required()
+      .expected(1, 2);
+  command.addOption("--format", options->format, "Format to write")
+      .choices(calib::rigFormatNames())
+      .typeName("NAME")
+      .captureDefault();
+  command.addOption("--output", options->output, "File to write; a folder for ros and euroc")
+      .required()
+      .typeName("PATH");
   command
-      ->add_option(
+      .addOption(
           "--size", options->image_size,
           "Size of the images, px; needed for files that do not contain it (KITTI's calib.txt, OpenCV's "
           "intrinsics.yml) or contain several (KITTI's calib_cam_to_cam.txt)")
-      ->type_name("WIDTHxHEIGHT");
-  command->add_flag(
-      "--unusual-geometry", options->unusual_geometry,
-      "Accept numbers that are unusual for a stereo pair on a vehicle, such as a principal point "
-      "near the rim, and confirm them in the rig file");
-  command->add_flag("--json", options->json, "Print what was written as JSON");
-  command->footer(
+      .typeName("WIDTHxHEIGHT");
+  command.addFlag("--unusual-geometry", options->unusual_geometry,
+                  "Accept numbers that are unusual for a stereo pair on a vehicle, such as a principal point "
+                  "near the rim, and confirm them in the rig file");
+  command.addFlag("--json", options->json, "Print what was written as JSON");
+  command.footer(
       "The format of FILE is detected from its contents. Other formats contain neither the cameras' mounting "
       "on\n"
       "the cart (see 'cartvo calibrate mount') nor the scale's uncertainty.\n"
@@ -126,7 +125,7 @@ void addCalibrateConvert(CLI::App& calibrate) {
       "  cartvo calibrate convert camchain.yaml --output rig.yaml\n"
       "  cartvo calibrate convert left.yaml right.yaml --output rig.yaml\n"
       "  cartvo calibrate convert rig.yaml --format ros --output camera_info");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

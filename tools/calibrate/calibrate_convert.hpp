@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate convert`.
-void addCalibrateConvert(CLI::App& calibrate);
+void addCalibrateConvert(Command calibrate);
 
 }  // namespace cartvo

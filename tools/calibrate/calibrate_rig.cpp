@@ -11,8 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "calib/format/rig_file.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/solver/calibration.hpp"
@@ -20,6 +18,7 @@
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_source.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/live_camera.hpp"
 #include "tools/calibrate/next_step.hpp"
@@ -282,105 +281,104 @@ void run(const Options& options) {
   if (page) page->showResult(true, summary);
 }
 
-void addSourceOptions(CLI::App& calibrate, Options& options) {
-  calibrate.add_option(
+void addSourceOptions(Command calibrate, Options& options) {
+  calibrate.addOption(
       "SOURCE", options.source,
       "A folder with image_0 (left) and image_1 (right); a recording (cartvod --record); "
       "'live': the configured cameras; with --left-images and --right-images the folder of the images");
-  CLI::Option* const left = calibrate
-                                .add_option("--left-images", options.left,
-                                            "The left images: a pattern with one '*', such as 'L*.jpg'")
-                                ->type_name("PATTERN");
-  CLI::Option* const right =
+  const Option left = calibrate
+                          .addOption("--left-images", options.left,
+                                     "The left images: a pattern with one '*', such as 'L*.jpg'")
+                          .typeName("PATTERN");
+  const Option right =
       calibrate
-          .add_option("--right-images", options.right,
-                      "The right images; the text matched by '*' pairs them with the left ones")
-          ->type_name("PATTERN");
-  left->needs(right);
-  right->needs(left);
+          .addOption("--right-images", options.right,
+                     "The right images; the text matched by '*' pairs them with the left ones")
+          .typeName("PATTERN");
+  left.needs(right);
+  right.needs(left);
 }
 
-void addResultOptions(CLI::App& calibrate, Options& options) {
+void addResultOptions(Command calibrate, Options& options) {
   calibrate
-      .add_option("--board", options.board,
-                  "The board, with the measured side of a square in metres:\n"
-                  "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
-                  "aprilgrid:6x6:0.088:0.3")
-      ->type_name("BOARD");
+      .addOption("--board", options.board,
+                 "The board, with the measured side of a square in metres:\n"
+                 "chessboard:9x6:0.025 (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER or "
+                 "aprilgrid:6x6:0.088:0.3")
+      .typeName("BOARD");
   calibrate
-      .add_option("--config", options.configuration,
-                  "With 'live': cartvod's configuration file, which names the cameras")
-      ->type_name("FILE")
-      ->capture_default_str();
-  calibrate.add_option("--output", options.output, "Rig file to write if the calibration passes")
-      ->type_name("FILE");
+      .addOption("--config", options.configuration,
+                 "With 'live': cartvod's configuration file, which names the cameras")
+      .typeName("FILE")
+      .captureDefault();
+  calibrate.addOption("--output", options.output, "Rig file to write if the calibration passes")
+      .typeName("FILE");
   calibrate
-      .add_option("--report", options.report,
-                  "File for a report (one HTML page): residuals, coverage, models, error of the depth")
-      ->type_name("FILE");
+      .addOption("--report", options.report,
+                 "File for a report (one HTML page): residuals, coverage, models, error of the depth")
+      .typeName("FILE");
   std::vector<std::string> models;
   for (const auto& [name, model] : modelChoices())
     models.push_back(name);
   calibrate
-      .add_option(
+      .addOption(
           "--model", options.model,
           "Lens model: 'auto' selects the one that predicts held-out views best, 'brown' the best of Brown's")
-      ->check(CLI::IsMember(models))
-      ->type_name("MODEL")
-      ->capture_default_str();
+      .choices(models)
+      .typeName("MODEL")
+      .captureDefault();
   calibrate
-      .add_option(
+      .addOption(
           "--free-scaling", options.free_scaling,
           "Part of the images that rectification keeps: 0 crops until each pixel has a source, 1 keeps all")
-      ->check(CLI::Range(0.0, 1.0))
-      ->type_name("SHARE")
-      ->capture_default_str();
-  calibrate.add_flag("--unusual-geometry", options.unusual_geometry,
-                     "Accept a result that is unusual for a stereo pair on a vehicle, see "
-                     "cartvo-calibrate-convert(1)");
-  calibrate.add_flag("--json", options.json, "Print all numbers as JSON instead of the summary");
+      .range(0.0, 1.0)
+      .typeName("SHARE")
+      .captureDefault();
+  calibrate.addFlag("--unusual-geometry", options.unusual_geometry,
+                    "Accept a result that is unusual for a stereo pair on a vehicle, see "
+                    "cartvo-calibrate-convert(1)");
+  calibrate.addFlag("--json", options.json, "Print all numbers as JSON instead of the summary");
 }
 
-/// Throws CLI::Error for options that are missing or do not fit together.
+/// Throws CommandLineError for options that are missing or do not fit together.
 void checkOptions(Options& options, bool has_page, const std::string& page) {
   if (options.source.empty() && options.left.empty())
-    throw CLI::RequiredError("SOURCE, or --left-images and --right-images");
-  if (options.board.empty()) throw CLI::RequiredError("--board");
-  if (options.output.empty()) throw CLI::RequiredError("--output");
+    throw CommandLineError("SOURCE, or --left-images and --right-images is required");
+  if (options.board.empty()) throw CommandLineError("--board is required");
+  if (options.output.empty()) throw CommandLineError("--output is required");
   try {
     calib::parseBoardSpec(options.board);
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError("--board", error.what());
+    throw CommandLineError("--board", error.what());
   }
   if (!has_page) return;
   if (!usesStreams(options))
-    throw CLI::ValidationError("--page",
-                               "works with live cameras or a recording only; for images use --report");
+    throw CommandLineError("--page", "works with live cameras or a recording only; for images use --report");
   try {
     options.page = page.empty() ? ListenAddress{.port = kDefaultPagePort} : ListenAddress::parse(page);
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError("--page", error.what());
+    throw CommandLineError("--page", error.what());
   }
 }
 
 }  // namespace
 
-void addCalibrateRig(CLI::App& calibrate) {
+void addCalibrateRig(Command calibrate) {
   const auto options = std::make_shared<Options>();
   addSourceOptions(calibrate, *options);
   addResultOptions(calibrate, *options);
   const auto page = std::make_shared<std::string>();
-  CLI::Option* const page_option =
+  const Option page_option =
       calibrate
-          .add_option(
+          .addOption(
               "--page", *page,
               "With 'live' or a recording: serve a web page with both pictures and the next view to show\n"
               "(default: 127.0.0.1:8600, for browsers on this computer only; 0: any free port)")
-          ->type_name("[ADDRESS:]PORT")
-          ->expected(0, 1);
-  calibrate.callback([options, page, page_option, &calibrate] {
-    if (!calibrate.get_subcommands().empty()) return;
-    checkOptions(*options, page_option->count() > 0, *page);
+          .typeName("[ADDRESS:]PORT")
+          .expected(0, 1);
+  calibrate.callback([options, page, page_option, calibrate] {
+    if (calibrate.givenSubcommand()) return;
+    checkOptions(*options, page_option.count() > 0, *page);
     run(*options);
   });
 }

@@ -4,7 +4,10 @@
 #include <string>
 
 #include "calib/model/rig.hpp"
-#include "common/command_line/cli11_forward.hpp"
+
+namespace cartvo {
+class Command;
+}  // namespace cartvo
 
 namespace cartvo::calibrate {
 
@@ -19,7 +22,7 @@ struct RigUpdateOptions {
 };
 
 /// Adds the options. `source_text` and `output_text` describe SOURCE and --output.
-void addRigUpdateOptions(CLI::App& command, RigUpdateOptions& options, const std::string& source_text,
+void addRigUpdateOptions(Command command, RigUpdateOptions& options, const std::string& source_text,
                          const std::string& output_text);
 
 /// The rig file to change: that of --rig, or the output if it exists, or that of the source, which then must

@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/command_line/parser.hpp"
 #include "tools/camera/access_options.hpp"
 #include "tools/camera/camera_access.hpp"
 #include "tools/camera/camera_report.hpp"
@@ -39,7 +39,7 @@ struct Options {
 
 [[noreturn]] void exitWith(int code) {
   std::fflush(stdout);
-  throw CLI::RuntimeError(code);
+  throw ExitCode(code);
 }
 
 void print(const std::string& text) {
@@ -83,7 +83,7 @@ Selection selectionOf(const Options& options) {
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
     if (name.empty() || equals + 1 == word.size())
-      throw CLI::ValidationError("SETTING", "expected NAME or NAME=VALUE, found '" + word + "'");
+      throw CommandLineError("SETTING", "expected NAME or NAME=VALUE, found '" + word + "'");
     if (equals == std::string::npos) {
       selection.settings[name] = std::nullopt;
     } else {
@@ -201,11 +201,11 @@ void applyPlan(std::vector<CameraAccess>& cameras, const OdometryNeeds& needs, c
 void apply(const Options& options) {
   const Selection selection = selectionOf(options);
   if (!selection.all && selection.settings.empty())
-    throw CLI::ValidationError("SETTING", "name at least one setting, or --all");
+    throw CommandLineError("SETTING", "name at least one setting, or --all");
   if (const std::string problem = nameProblem(selection); !problem.empty())
-    throw CLI::ValidationError("SETTING", problem);
+    throw CommandLineError("SETTING", problem);
   if (options.json && !options.yes && !options.dry_run)
-    throw CLI::ValidationError("--json", "asks nothing: add --yes or --dry-run");
+    throw CommandLineError("--json", "asks nothing: add --yes or --dry-run");
   const daemon::Configuration configuration =
       daemon::readConfiguration(options.access.configuration, daemon::RigKey::optional);
   const OdometryNeeds needs = needsOf(configuration);
@@ -276,47 +276,48 @@ void reboot(const Options& options) {
   if (options.wait > 0.0) waitForReboots(cameras, options.wait);
 }
 
-void addAccessOptions(CLI::App& command, const std::shared_ptr<Options>& options) {
+void addAccessOptions(Command command, const std::shared_ptr<Options>& options) {
   AccessOptions& access = options->access;
   command
-      .add_option("--config", access.configuration,
-                  "cartvod's configuration file, which names cameras and passwords")
-      ->capture_default_str();
-  command.add_option("--camera", access.side, "Which camera")
-      ->check(CLI::IsMember({"left", "right", "both"}))
-      ->capture_default_str();
+      .addOption("--config", access.configuration,
+                 "cartvod's configuration file, which names cameras and passwords")
+      .captureDefault();
+  command.addOption("--camera", access.side, "Which camera")
+      .choices({"left", "right", "both"})
+      .captureDefault();
   addWebPageOptions(command, access);
   command
-      .add_option("--channel", access.channel,
-                  "Number of the stream (default: the one of the camera's URL, else 101)")
-      ->check(CLI::Range(101, 9999))
-      ->type_name("NUMBER");
-  command.add_option("--timeout", access.timeout, "Limit for each request, s")
-      ->check(CLI::Range(0.1, 60.0))
-      ->capture_default_str()
-      ->type_name("SECONDS");
+      .addOption("--channel", access.channel,
+                 "Number of the stream (default: the one of the camera's URL, else 101)")
+      .range(101, 9999)
+      .typeName("NUMBER");
+  command.addOption("--timeout", access.timeout, "Limit for each request, s")
+      .range(0.1, 60.0)
+      .captureDefault()
+      .typeName("SECONDS");
 }
 
-CLI::App* addAction(CLI::App& command, const std::string& name, const std::string& description,
-                    void (*work)(const Options&), std::shared_ptr<Options>& options) {
-  CLI::App* action = command.add_subcommand(name, description);
+Command addAction(Command command, const std::string& name, const std::string& description,
+                  void (*work)(const Options&), std::shared_ptr<Options>& options) {
+  const Command action = command.addSubcommand(name, description);
   options = std::make_shared<Options>();
-  addAccessOptions(*action, options);
-  action->callback([options, work] { work(*options); });
+  addAccessOptions(action, options);
+  action.callback([options, work] { work(*options); });
   return action;
 }
 
-void addApply(CLI::App& command) {
+void addApply(Command command) {
   std::shared_ptr<Options> options;
-  CLI::App* action = addAction(command, "apply", "Change settings to what odometry needs", apply, options);
-  action->add_option("SETTING", options->settings, "Settings to change: NAME, or NAME=VALUE")
-      ->type_name("SETTING");
-  action->add_flag("--all", options->all,
-                   "Change all settings that are not as needed, except picture size and flip");
-  action->add_flag("--dry-run", options->dry_run, "Only show the changes");
-  action->add_flag("--yes", options->yes, "Do not ask");
-  action->add_flag("--json", options->json, "Print plan and results as JSON; needs --yes or --dry-run");
-  action->footer(
+  const Command action =
+      addAction(command, "apply", "Change settings to what odometry needs", apply, options);
+  action.addOption("SETTING", options->settings, "Settings to change: NAME, or NAME=VALUE")
+      .typeName("SETTING");
+  action.addFlag("--all", options->all,
+                 "Change all settings that are not as needed, except picture size and flip");
+  action.addFlag("--dry-run", options->dry_run, "Only show the changes");
+  action.addFlag("--yes", options->yes, "Do not ask");
+  action.addFlag("--json", options->json, "Print plan and results as JSON; needs --yes or --dry-run");
+  action.footer(
       "Both cameras end alike. Each change is read back. Exit codes: 0 all is as selected, 1 failure or not "
       "agreed,\n"
       "2 wrong command line, 3 something selected is not as it should be, 4 a camera needs a reboot.");
@@ -324,31 +325,31 @@ void addApply(CLI::App& command) {
 
 }  // namespace
 
-void addCameraCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand(
+void addCameraCommand(Command cartvo) {
+  const Command command = cartvo.addSubcommand(
       "camera", "Find cameras; show, check and change settings of Hikvision cameras; set up their network");
-  command->require_subcommand(1);
+  command.limitSubcommands(1, 1);
   std::shared_ptr<Options> options;
-  addAction(*command, "show", "Show what the cameras are and are set to", show, options)
-      ->add_flag("--json", options->json, "Print JSON");
-  CLI::App* action =
-      addAction(*command, "check", "Compare the settings with those that odometry needs", check, options);
-  action->add_flag("--json", options->json, "Print JSON");
-  action->add_flag("--verbose", options->verbose, "Also print what is good");
-  action->footer(
+  addAction(command, "show", "Show what the cameras are and are set to", show, options)
+      .addFlag("--json", options->json, "Print JSON");
+  Command action =
+      addAction(command, "check", "Compare the settings with those that odometry needs", check, options);
+  action.addFlag("--json", options->json, "Print JSON");
+  action.addFlag("--verbose", options->verbose, "Also print what is good");
+  action.footer(
       "Exit codes: 0 all is good, 1 a camera could not be read, 2 wrong command line, 3 a setting is not as "
       "needed.");
-  addApply(*command);
-  action = addAction(*command, "reboot", "Reboot the cameras", reboot, options);
-  action->add_flag("--yes", options->yes, "Do not ask");
+  addApply(command);
+  action = addAction(command, "reboot", "Reboot the cameras", reboot, options);
+  action.addFlag("--yes", options->yes, "Do not ask");
   action
-      ->add_option("--wait", options->wait,
-                   "Wait so long for the cameras to answer again, s (default: do not wait)")
-      ->check(CLI::Range(0.0, 600.0))
-      ->type_name("SECONDS");
-  addDiscoverAction(*command);
-  addNetworkAction(*command);
-  command->footer(
+      .addOption("--wait", options->wait,
+                 "Wait so long for the cameras to answer again, s (default: do not wait)")
+      .range(0.0, 600.0)
+      .typeName("SECONDS");
+  addDiscoverAction(command);
+  addNetworkAction(command);
+  command.footer(
       "Examples:\n"
       "  cartvo camera discover\n"
       "  cartvo camera check\n"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/camera/discovery.hpp"
 #include "tools/cartvo/json_text.hpp"
 
@@ -68,26 +68,26 @@ void run(const Options& options) {
       "cartvo: no camera answered: is it powered and on this interface, and does no firewall drop UDP?\n",
       stderr);
   std::fflush(stdout);
-  throw CLI::RuntimeError(EXIT_FAILURE);
+  throw ExitCode(EXIT_FAILURE);
 }
 
 }  // namespace
 
-void addDiscoverAction(CLI::App& camera) {
-  CLI::App* action = camera.add_subcommand("discover", "Search cameras on the network (ONVIF and SADP)");
+void addDiscoverAction(Command camera) {
+  const Command action = camera.addSubcommand("discover", "Search cameras on the network (ONVIF and SADP)");
   const auto options = std::make_shared<Options>();
   action
-      ->add_option("--interface", options->interfaces,
-                   "Network interface of the cameras; may be repeated (default: all that are up)")
-      ->type_name("NAME");
-  action->add_option("--seconds", options->seconds, "How long to wait for answers")
-      ->check(CLI::Range(0.1, 60.0))
-      ->capture_default_str();
-  action->add_flag("--json", options->json, "Print JSON");
-  action->footer(
+      .addOption("--interface", options->interfaces,
+                 "Network interface of the cameras; may be repeated (default: all that are up)")
+      .typeName("NAME");
+  action.addOption("--seconds", options->seconds, "How long to wait for answers")
+      .range(0.1, 60.0)
+      .captureDefault();
+  action.addFlag("--json", options->json, "Print JSON");
+  action.footer(
       "Cameras are asked and not changed. Exit codes: 0 a camera answered, 1 none did, 2 wrong command "
       "line.");
-  action->callback([options] { run(*options); });
+  action.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `discover` to `cartvo camera`.
-void addDiscoverAction(CLI::App& camera);
+void addDiscoverAction(Command camera);
 
 }  // namespace cartvo

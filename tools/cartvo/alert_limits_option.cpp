@@ -5,32 +5,32 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/command_line/parser.hpp"
 #include "common/units.hpp"
 
 namespace cartvo {
 namespace {
 
-void addOption(CLI::App& command, const std::string& description,
+void addOption(Command command, const std::string& description,
                const std::function<void(const daemon::AlertLimits&)>& set) {
   command
-      .add_option_function<std::vector<double>>(
+      .addListOption(
           "--alert-limits",
           [set](const std::vector<double>& values) {
             set({values[0], kRadiansPerDegree * values[1], values[2], kRadiansPerDegree * values[3]});
           },
           description)
-      ->delimiter(',')
-      ->expected(4)
-      ->check(CLI::Range(1e-3, 1e6))
-      ->type_name("V,RATE,MOTION,ROTATION");
+      .delimiter(',')
+      .expected(4)
+      .range(1e-3, 1e6)
+      .typeName("V,RATE,MOTION,ROTATION");
 }
 
 }  // namespace
 
-void addAlertLimitsOption(CLI::App& command, std::optional<daemon::AlertLimits>& limits) {
+void addAlertLimitsOption(Command command, std::optional<daemon::AlertLimits>& limits) {
   addOption(command,
             "Largest bounds of valid pairs: of velocity (m/s), angular rate (deg/s), translation (m) and "
             "rotation (deg) over the last second; without it those of the recording's configuration, else "
@@ -38,7 +38,7 @@ void addAlertLimitsOption(CLI::App& command, std::optional<daemon::AlertLimits>&
             [&limits](const daemon::AlertLimits& given) { limits = given; });
 }
 
-void addAlertLimitsOption(CLI::App& command, daemon::AlertLimits& limits) {
+void addAlertLimitsOption(Command command, daemon::AlertLimits& limits) {
   addOption(
       command,
       fmt::format("Errors above which a VALID message is counted, in a benchmark also the largest\n"

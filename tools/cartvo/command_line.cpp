@@ -7,9 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
 #include "common/ascii_text.hpp"
+#include "common/command_line/parser.hpp"
 
 namespace cartvo {
 namespace {
@@ -53,26 +52,22 @@ std::string joined(const Words& words, const char* separator) {
   return text;
 }
 
-std::vector<const CLI::App*> subcommandsOf(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
-}
-
-Words namesOf(const std::vector<const CLI::App*>& commands) {
+Words namesOf(const std::vector<Command>& commands) {
   Words names;
-  for (const CLI::App* command : commands)
-    names.push_back(command->get_name());
+  for (const Command command : commands)
+    names.push_back(command.name());
   return names;
 }
 
-const CLI::App* subcommand(const CLI::App& app, const std::string& name) {
-  const auto commands = subcommandsOf(app);
-  const auto found = std::find_if(commands.begin(), commands.end(),
-                                  [&](const CLI::App* command) { return command->get_name() == name; });
-  return found == commands.end() ? nullptr : *found;
+std::optional<Command> subcommand(Command command, const std::string& name) {
+  for (const Command inner : command.subcommands()) {
+    if (inner.name() == name) return inner;
+  }
+  return std::nullopt;
 }
 
 /// The commands that a command line names, from `cartvo` on.
-using Chain = std::vector<const CLI::App*>;
+using Chain = std::vector<Command>;
 
 std::string textOf(const Chain& chain) {
   return joined(namesOf(chain), " ");
@@ -81,12 +76,10 @@ std::string textOf(const Chain& chain) {
 /// An unknown word where a command may stand. A word that names a file or folder, or no command nearly, may
 /// be an argument if a command is not required.
 std::string unknownCommand(const Chain& chain, const std::string& word) {
-  const CLI::App& app = *chain.back();
-  const Words names = namesOf(subcommandsOf(app));
+  const Words names = namesOf(chain.back().subcommands());
   if (names.empty()) return {};
   const std::optional<std::string> similar = nearest(word, names);
-  const bool is_required = app.get_require_subcommand_min() > 0;
-  if (!is_required && (!similar || std::filesystem::exists(word))) return {};
+  if (!chain.back().requiresSubcommand() && (!similar || std::filesystem::exists(word))) return {};
   const std::string intended = textOf(chain) + " " + word;
   if (similar)
     return "there is no command '" + intended + "'; did you mean '" + textOf(chain) + " " + *similar + "'?";
@@ -97,30 +90,30 @@ bool isLongOption(const std::string& word) {
   return word.size() > 2 && word.starts_with("--");
 }
 
-/// Adds the long options of a command and of its groups, which CLI11 keeps as commands without a name.
-void addOptionNames(const CLI::App& app, Words& names) {
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames())
-      names.push_back("--" + name);
+/// Adds the long options of a command and of its groups.
+void addOptionNames(Command command, Words& names) {
+  for (const Option option : command.options()) {
+    for (const std::string& name : option.names()) {
+      if (isLongOption(name)) names.push_back(name);
+    }
   }
-  for (const CLI::App* group :
-       app.get_subcommands([](const CLI::App* part) { return part->get_name().empty(); }))
-    addOptionNames(*group, names);
+  for (const Command group : command.optionGroups())
+    addOptionNames(group, names);
 }
 
 std::string unknownOption(const Chain& chain, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
   Words names;
-  for (const CLI::App* app : chain) {
-    if (app->get_option_no_throw(name) != nullptr) return {};
-    addOptionNames(*app, names);
+  for (const Command command : chain) {
+    if (command.option(name)) return {};
+    addOptionNames(command, names);
   }
   const std::optional<std::string> similar = nearest(name, names);
   return textOf(chain) + " has no option " + name + (similar ? "; did you mean " + *similar + "?" : "");
 }
 
 /// CLI11's "Could not convert: --offset-ms = abc" with what was expected; any other message unchanged.
-std::string reasonOf(const CLI::Error& error) {
+std::string reasonOf(const CommandLineError& error) {
   std::string message = error.what();
   const std::string prefix = "Could not convert: ", separator = " = ";
   const std::size_t end = message.find(separator);
@@ -143,13 +136,13 @@ Words withHelpAsOption(Words arguments) {
   return arguments;
 }
 
-std::string unknownWord(const CLI::App& cartvo, const Words& arguments) {
+std::string unknownWord(Command cartvo, const Words& arguments) {
   const Words words = wordsOf(arguments);
-  Chain chain{&cartvo};
+  Chain chain{cartvo};
   bool after_option = false;
   for (const std::string& word : words) {
-    if (const CLI::App* command = subcommand(*chain.back(), word)) {
-      chain.push_back(command);
+    if (const std::optional<Command> command = subcommand(chain.back(), word)) {
+      chain.push_back(*command);
       after_option = false;
     } else if (word.starts_with("-")) {
       after_option = true;  // what follows may be the option's value
@@ -165,25 +158,27 @@ std::string unknownWord(const CLI::App& cartvo, const Words& arguments) {
   return {};
 }
 
-void refuseUnusableValues(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) {
-    if (option->get_items_expected_max() == 0) continue;
-    const bool may_be_number = !option->get_positional();
-    option->check([may_be_number](const std::string& value) -> std::string {
+void refuseUnusableValues(Command command) {
+  for (const Option option : command.options()) {
+    if (option.isFlag()) continue;
+    const bool may_be_number = !option.isArgument();
+    option.check([may_be_number](const std::string& value) -> std::string {
       if (value.empty()) return "expected a value, found an empty one";
       std::string word = lowerCase(value);
       if (word.starts_with('-') || word.starts_with('+')) word.erase(0, 1);
       return may_be_number && word == "nan" ? "expected a number, found '" + value + "'" : "";
     });
   }
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
-    refuseUnusableValues(*command);
+  for (const Command inner : command.subcommands())
+    refuseUnusableValues(inner);
+  for (const Command group : command.optionGroups())
+    refuseUnusableValues(group);
 }
 
-std::string commandLineError(const CLI::App* cartvo, const CLI::Error& error) {
+std::string commandLineError(Command cartvo, const CommandLineError& error) {
   Chain chain{cartvo};
-  while (!chain.back()->get_subcommands().empty())
-    chain.push_back(chain.back()->get_subcommands().front());
+  while (const std::optional<Command> command = chain.back().givenSubcommand())
+    chain.push_back(*command);
   return std::string("cartvo: ") + reasonOf(error) + "\n'" + textOf(chain) +
          " --help' explains the command.\n";
 }

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/command_line_error.hpp"
 
 namespace cartvo {
 namespace {
@@ -43,7 +43,7 @@ void Interruption::check() const {
   if (received == 0) return;
   constexpr int kSignalBase = 128;  // as shells report a program that a signal ended
   std::fputs("\ncartvo: interrupted; nothing was written\n", stderr);
-  throw CLI::RuntimeError(kSignalBase + received);
+  throw ExitCode(kSignalBase + received);
 }
 
 }  // namespace cartvo

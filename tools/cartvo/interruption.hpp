@@ -14,7 +14,7 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  /// After a signal: prints that nothing was written and throws CLI::RuntimeError with the exit code 128 +
+  /// After a signal: prints that nothing was written and throws ExitCode with the exit code 128 +
   /// signal.
   void check() const;
 

@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"
 #include "common/printable_text.hpp"
@@ -32,33 +31,33 @@ void printError(const std::string& message) {
 
 constexpr int kWrongCommandLine = 2;
 
-void addCommands(CLI::App& cartvo) {
-  cartvo::addSimulateCommand(cartvo);
-  cartvo::addReplayCommand(cartvo);
-  cartvo::addExportCommand(cartvo);
-  cartvo::addRecordingCommand(cartvo);
-  cartvo::addEvaluateCommand(cartvo);
-  cartvo::addWatchCommand(cartvo);
-  cartvo::addCameraCommand(cartvo);
-  cartvo::addDoctorCommand(cartvo);
-  cartvo::addCalibrateCommand(cartvo);
-  cartvo::addBenchmarkCommand(cartvo);
-  cartvo::refuseUnusableValues(cartvo);
+void addCommands(cartvo::Command command) {
+  cartvo::addSimulateCommand(command);
+  cartvo::addReplayCommand(command);
+  cartvo::addExportCommand(command);
+  cartvo::addRecordingCommand(command);
+  cartvo::addEvaluateCommand(command);
+  cartvo::addWatchCommand(command);
+  cartvo::addCameraCommand(command);
+  cartvo::addDoctorCommand(command);
+  cartvo::addCalibrateCommand(command);
+  cartvo::addBenchmarkCommand(command);
+  cartvo::refuseUnusableValues(command);
 }
 
 /// Runs the command; returns the exit code.
-int run(CLI::App& cartvo, std::vector<std::string> arguments) {
+int run(cartvo::Program& program, const std::vector<std::string>& arguments) {
   try {
-    if (const std::string unknown = cartvo::unknownWord(cartvo, arguments); !unknown.empty()) {
+    if (const std::string unknown = cartvo::unknownWord(program.command(), arguments); !unknown.empty()) {
       std::fprintf(stderr, "cartvo: %s\n", unknown.c_str());
       return kWrongCommandLine;
     }
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
-    cartvo.parse(std::move(arguments));
-  } catch (const CLI::RuntimeError& error) {
-    return error.get_exit_code();
-  } catch (const CLI::ParseError& error) {
-    return cartvo.exit(error) == 0 ? EXIT_SUCCESS : kWrongCommandLine;
+    program.parse(arguments);
+  } catch (const cartvo::ExitCode& end) {
+    return end.code();
+  } catch (const cartvo::CommandLineError& error) {
+    std::fputs(cartvo::commandLineError(program.command(), error).c_str(), stderr);
+    return kWrongCommandLine;
   } catch (const std::filesystem::filesystem_error& error) {
     printError(cartvo::textOf(error));
     return EXIT_FAILURE;
@@ -74,16 +73,16 @@ int run(CLI::App& cartvo, std::vector<std::string> arguments) {
 // NOLINTNEXTLINE(bugprone-exception-escape): running out of memory during start-up may end the program
 int main(int argument_count, char** arguments) {
   cartvo::occupyStandardDescriptors();
-  CLI::App cartvo{"cartvo: motion from two ordinary IP cameras", "cartvo"};
-  cartvo.set_version_flag("-V,--version", "cartvo " CARTVO_VERSION);
-  cartvo.require_subcommand(1);
-  cartvo.failure_message(cartvo::commandLineError);
-  cartvo.footer("'cartvo COMMAND --help' or 'cartvo help COMMAND' explains each command.");
-  addCommands(cartvo);
-  cartvo::addBashCompletionFlag(cartvo, "cartvo");
+  cartvo::Program program("cartvo", "cartvo: motion from two ordinary IP cameras");
+  const cartvo::Command command = program.command();
+  command.addVersionFlag("-V,--version", "cartvo " CARTVO_VERSION);
+  command.limitSubcommands(1, 1);
+  command.footer("'cartvo COMMAND --help' or 'cartvo help COMMAND' explains each command.");
+  addCommands(command);
+  cartvo::addBashCompletionFlag(command, "cartvo");
 
   const int code =
-      run(cartvo,
+      run(program,
           cartvo::withHelpAsOption({arguments + std::min(1, argument_count), arguments + argument_count}));
   const std::string error = cartvo::standardOutputError();
   if (!error.empty()) std::fprintf(stderr, "cartvo: %s\n", error.c_str());

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/parser.hpp"
 
 namespace cartvo {
 
@@ -34,15 +34,15 @@ Readouts parseReadouts(const std::string& milliseconds) {
   return {*(*readouts)[0], *(*readouts)[1]};
 }
 
-CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds, const std::string& default_text) {
+Option addReadoutOption(Command command, std::string& milliseconds, const std::string& default_text) {
   return command
-      .add_option("--readout-ms", milliseconds,
-                  "Time from the exposure of the upper edge of a rendered image to that of the\n"
-                  "lower one, of both cameras or of each; 0: a global shutter; negative: the rows\n"
-                  "are exposed from bottom to top. An image counts at its middle row's exposure\n(" +
-                      default_text + ")")
-      ->type_name("BOTH|LEFT,RIGHT")
-      ->check([](const std::string& text) -> std::string {
+      .addOption("--readout-ms", milliseconds,
+                 "Time from the exposure of the upper edge of a rendered image to that of the\n"
+                 "lower one, of both cameras or of each; 0: a global shutter; negative: the rows\n"
+                 "are exposed from bottom to top. An image counts at its middle row's exposure\n(" +
+                     default_text + ")")
+      .typeName("BOTH|LEFT,RIGHT")
+      .check([](const std::string& text) -> std::string {
         try {
           parseReadouts(text);
           return {};

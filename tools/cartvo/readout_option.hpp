@@ -4,9 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
+
+class Command;
+class Option;
 
 /// Readouts of two cameras, s, as in vo::Shutter.
 struct Readouts {
@@ -24,6 +25,6 @@ Readouts parseReadouts(const std::string& milliseconds);
 
 /// Adds --readout-ms of rendered cameras. `milliseconds` must outlive the command; `default_text` ends the
 /// description.
-CLI::Option* addReadoutOption(CLI::App& command, std::string& milliseconds, const std::string& default_text);
+Option addReadoutOption(Command command, std::string& milliseconds, const std::string& default_text);
 
 }  // namespace cartvo

@@ -4,14 +4,13 @@
 #include <exception>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/report/drawing.hpp"
 
 namespace cartvo {
 
-CLI::Option* addPlotOption(CLI::App& command, std::filesystem::path& file, const std::string& shows) {
+Option addPlotOption(Command command, std::filesystem::path& file, const std::string& shows) {
   const auto check_name = [](const std::string& name) -> std::string {
     try {
       checkDrawingName(name);
@@ -20,9 +19,9 @@ CLI::Option* addPlotOption(CLI::App& command, std::filesystem::path& file, const
     }
     return {};
   };
-  return command.add_option("--plot", file, "Draw " + shows + " into this .svg or .png file")
-      ->check(check_name)
-      ->type_name("FILE");
+  return command.addOption("--plot", file, "Draw " + shows + " into this .svg or .png file")
+      .check(check_name)
+      .typeName("FILE");
 }
 
 void checkResultFiles(std::initializer_list<std::filesystem::path> files) {

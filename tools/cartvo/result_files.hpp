@@ -4,13 +4,14 @@
 #include <initializer_list>
 #include <string>
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
+
+class Command;
+class Option;
 
 /// Adds `--plot FILE`, a .svg or .png file; any other name is an error of the command line. `shows`: what is
 /// drawn, for the help.
-CLI::Option* addPlotOption(CLI::App& command, std::filesystem::path& file, const std::string& shows);
+Option addPlotOption(Command command, std::filesystem::path& file, const std::string& shows);
 
 /// Throws std::runtime_error if one of the files cannot be written, see checkFileCanBeWritten. For use before
 /// the work. Empty paths are skipped.

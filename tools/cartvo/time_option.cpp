@@ -7,8 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
-
+#include "common/command_line/parser.hpp"
 #include "common/exact_text.hpp"
 
 namespace cartvo {
@@ -37,26 +36,23 @@ std::optional<double> secondsOf(std::string_view text) {
   return std::nullopt;
 }
 
-CLI::Validator timeAbove(bool zero_is_allowed) {
-  return CLI::Validator(
-      [zero_is_allowed](std::string& text) -> std::string {
-        const std::optional<double> seconds = secondsOf(text);
-        if (!seconds || (*seconds == 0.0 && !zero_is_allowed))
-          return "'" + text + "' is no time" + (zero_is_allowed ? "" : " above 0") +
-                 ", such as 90, 1.5 or 1:30";
-        text = exactText(*seconds);
-        return {};
-      },
-      "");
+Option::Transformation timeAbove(bool zero_is_allowed) {
+  return [zero_is_allowed](std::string& text) -> std::string {
+    const std::optional<double> seconds = secondsOf(text);
+    if (!seconds || (*seconds == 0.0 && !zero_is_allowed))
+      return "'" + text + "' is no time" + (zero_is_allowed ? "" : " above 0") + ", such as 90, 1.5 or 1:30";
+    text = exactText(*seconds);
+    return {};
+  };
 }
 
 }  // namespace
 
-CLI::Validator timeInSeconds() {
+Option::Transformation timeInSeconds() {
   return timeAbove(true);
 }
 
-CLI::Validator positiveTimeInSeconds() {
+Option::Transformation positiveTimeInSeconds() {
   return timeAbove(false);
 }
 

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "common/command_line/parser.hpp"
 
 namespace cartvo {
 
 /// Reads the value of an option as a time, not negative: seconds, M:SS or H:MM:SS, with decimals. For
-/// CLI::Option::transform of an option of type double, s.
-CLI::Validator timeInSeconds();
+/// Option::transform() of an option of type double, s.
+Option::Transformation timeInSeconds();
 
 /// As timeInSeconds, for times longer than 0.
-CLI::Validator positiveTimeInSeconds();
+Option::Transformation positiveTimeInSeconds();
 
 }  // namespace cartvo

@@ -9,12 +9,12 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "daemon/service/awaited_signals.hpp"
 #include "tools/camera/access_options.hpp"
 #include "tools/cartvo/commands.hpp"
@@ -93,31 +93,31 @@ void run(const Options& options) {
                                                examination.rig ? &*examination.rig : nullptr));
   if (interruption.flag()) throw std::runtime_error("interrupted: not all was checked");
   const doctor::Verdict worst = worstVerdict(examination.findings);
-  if (worst == doctor::Verdict::broken) throw CLI::RuntimeError(kBroken);
-  if (worst == doctor::Verdict::look_at) throw CLI::RuntimeError(kLookAt);
+  if (worst == doctor::Verdict::broken) throw ExitCode(kBroken);
+  if (worst == doctor::Verdict::look_at) throw ExitCode(kLookAt);
 }
 
 }  // namespace
 
-void addDoctorCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand(
+void addDoctorCommand(Command cartvo) {
+  const Command command = cartvo.addSubcommand(
       "doctor", "Look at everything that goes wrong in the field, and say what to do about it");
   const auto options = std::make_shared<Options>();
   doctor::DoctorSettings& settings = options->doctor;
   settings.access.timeout = kRequestTimeout;
   command
-      ->add_option("SOURCE,--config", settings.source,
-                   "cartvod's configuration file, or the folder of a recording or sequence")
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print the findings as JSON");
-  command->add_option("--report", options->report, "File for a report with pictures (one HTML page)");
-  command->add_option("--seconds", settings.seconds, "Time for which the streams are measured, s")
-      ->transform(positiveTimeInSeconds())
-      ->capture_default_str();
-  command->add_flag("--streams", settings.streams,
-                    "Open streams of its own also while cartvod receives them; a camera may not permit that");
-  addWebPageOptions(*command, settings.access);
-  command->footer(
+      .addOption("SOURCE,--config", settings.source,
+                 "cartvod's configuration file, or the folder of a recording or sequence")
+      .captureDefault();
+  command.addFlag("--json", options->json, "Print the findings as JSON");
+  command.addOption("--report", options->report, "File for a report with pictures (one HTML page)");
+  command.addOption("--seconds", settings.seconds, "Time for which the streams are measured, s")
+      .transform(positiveTimeInSeconds())
+      .captureDefault();
+  command.addFlag("--streams", settings.streams,
+                  "Open streams of its own also while cartvod receives them; a camera may not permit that");
+  addWebPageOptions(command, settings.access);
+  command.footer(
       "Each line is ok, look at (cartvod works, but worse or not for long), broken (cartvod does not work, "
       "or not\n"
       "safely) or not checked, with what was seen, what is expected and what to do. It changes nothing (only "
@@ -132,7 +132,7 @@ void addDoctorCommand(CLI::App& cartvo) {
       "  sudo cartvo doctor\n"
       "  sudo cartvo doctor --report doctor.html\n"
       "  cartvo doctor /var/lib/cartvo/recordings/2026-05-04T10-00-00Z");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/printable_text.hpp"
 #include "common/units.hpp"
 #include "tools/cartvo/alert_limits_option.hpp"
@@ -120,47 +119,47 @@ void run(const Options& options) {
   if (!options.report.empty() || !options.figures.empty()) writeReport(options, files, input);
 }
 
-void addFileOptions(CLI::App& command, Options& options) {
+void addFileOptions(Command command, Options& options) {
   command
-      .add_option("ESTIMATE", options.estimate,
-                  "The odometry.csv of a replay, or a trajectory: TUM or KITTI text, or EuRoC's data.csv")
-      ->required();
+      .addOption("ESTIMATE", options.estimate,
+                 "The odometry.csv of a replay, or a trajectory: TUM or KITTI text, or EuRoC's data.csv")
+      .required();
   command
-      .add_option("TRUTH", options.truth,
-                  "The true trajectory of the same frame (camera or body), in one of these formats")
-      ->required();
-  command.add_flag("--json", options.json, "Print the results as JSON instead of the table");
+      .addOption("TRUTH", options.truth,
+                 "The true trajectory of the same frame (camera or body), in one of these formats")
+      .required();
+  command.addFlag("--json", options.json, "Print the results as JSON instead of the table");
   addAlertLimitsOption(command, options.limits);
   command
-      .add_option("--messages", options.messages,
-                  "File (.csv) for the errors and bounds of each message of an odometry.csv")
-      ->type_name("FILE");
+      .addOption("--messages", options.messages,
+                 "File (.csv) for the errors and bounds of each message of an odometry.csv")
+      .typeName("FILE");
   addPlotOption(command, options.plot, "both paths and the error");
 }
 
 }  // namespace
 
-void addEvaluateCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("evaluate", "Compare a trajectory with the truth");
+void addEvaluateCommand(Command cartvo) {
+  const Command command = cartvo.addSubcommand("evaluate", "Compare a trajectory with the truth");
   const auto options = std::make_shared<Options>();
-  addFileOptions(*command, *options);
-  CLI::Option* report =
+  addFileOptions(command, *options);
+  const Option report =
       command
-          ->add_option("--report", options->report,
-                       "File for a report (one HTML page): paths, errors over distance and time, segments, "
-                       "velocities, rates, NEES and errors against bounds")
-          ->type_name("FILE");
-  CLI::Option* figures =
+          .addOption("--report", options->report,
+                     "File for a report (one HTML page): paths, errors over distance and time, segments, "
+                     "velocities, rates, NEES and errors against bounds")
+          .typeName("FILE");
+  const Option figures =
       command
-          ->add_option("--figures-dir", options->figures,
-                       "Folder for the report's figures as .svg and .png; created if it is missing")
-          ->type_name("DIR");
+          .addOption("--figures-dir", options->figures,
+                     "Folder for the report's figures as .svg and .png; created if it is missing")
+          .typeName("DIR");
   command
-      ->add_option("--odometry", options->odometry,
-                   "With --report or --figures-dir: the odometry.csv of the replay, for velocities, rates, "
-                   "validity and NEES (default: that beside ESTIMATE)")
-      ->type_name("FILE");
-  command->footer(
+      .addOption("--odometry", options->odometry,
+                 "With --report or --figures-dir: the odometry.csv of the replay, for velocities, rates, "
+                 "validity and NEES (default: that beside ESTIMATE)")
+      .typeName("FILE");
+  command.footer(
       "Files of TUM or EuRoC are compared by time: the truth is interpolated at the estimate's times. A "
       "KITTI file "
       "has no\n"
@@ -172,10 +171,9 @@ void addEvaluateCommand(CLI::App& cartvo) {
       "  cartvo evaluate out/poses.txt kitti_06/poses.txt --plot out/path.png\n"
       "  cartvo evaluate out/odometry.csv truth.tum --json\n"
       "  cartvo evaluate out/trajectory.tum truth.tum --report out/report.html");
-  command->callback([options, report, figures] {
-    if (!options->odometry.empty() && report->count() + figures->count() == 0)
-      throw CLI::ValidationError("--odometry",
-                                 "is used by --report and --figures-dir only; name one of them");
+  command.callback([options, report, figures] {
+    if (!options->odometry.empty() && report.count() + figures.count() == 0)
+      throw CommandLineError("--odometry", "is used by --report and --figures-dir only; name one of them");
     run(*options);
   });
 }

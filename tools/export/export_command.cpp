@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
@@ -77,32 +77,32 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addExportCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("export", "Write a recording or results in the formats of other tools");
+void addExportCommand(Command cartvo) {
+  const Command command =
+      cartvo.addSubcommand("export", "Write a recording or results in the formats of other tools");
   const auto options = std::make_shared<Options>();
   command
-      ->add_option(
+      .addOption(
           "SOURCE", options->source,
           "A recording (cartvod --record), a folder of images as for cartvo replay, an output folder of "
           "cartvo replay, or a trajectory in TUM's or EuRoC's format")
-      ->required();
-  command->add_option("--format", options->format, "What to write")
-      ->required()
-      ->check(CLI::IsMember(exportFormatNames()))
-      ->type_name("FORMAT");
-  command->add_option("--output", options->output, "The file to write; the folder, for rosbag2-mcap")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--rig", options->rig, "Rig file, in place of that of the source; as for cartvo replay")
-      ->type_name("FILE");
+      .required();
+  command.addOption("--format", options->format, "What to write")
+      .required()
+      .choices(exportFormatNames())
+      .typeName("FORMAT");
+  command.addOption("--output", options->output, "The file to write; the folder, for rosbag2-mcap")
+      .required()
+      .typeName("FILE");
+  command.addOption("--rig", options->rig, "Rig file, in place of that of the source; as for cartvo replay")
+      .typeName("FILE");
   command
-      ->add_option("--threads", options->threads,
-                   "Threads for image operations; the results do not depend on it")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print what was written as JSON");
-  command->footer(
+      .addOption("--threads", options->threads,
+                 "Threads for image operations; the results do not depend on it")
+      .range(1, 64)
+      .captureDefault();
+  command.addFlag("--json", options->json, "Print what was written as JSON");
+  command.footer(
       "  mcap     for Foxglove, Rerun and PlotJuggler: odometry, poses, frames, log, and the pictures of a\n"
       "           recording as the cameras sent them\n"
       "  rosbag2-mcap  bag of ROS 2, for ros2 bag play: nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage, and\n"
@@ -119,7 +119,7 @@ void addExportCommand(CLI::App& cartvo) {
       "  cartvo export drive --format rosbag2-mcap --output drive_bag\n"
       "  cartvo export drive --format lcm-log --output drive.lcmlog\n"
       "  cartvo export out --format euroc --output drive.csv");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -4,8 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
+#include "common/command_line/parser.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -43,7 +42,7 @@ void verify(const Options& options) {
   const std::string text =
       options.json ? jsonText(verificationJson(verification)) : verificationText(verification);
   std::fputs(text.c_str(), stdout);
-  if (!verification.isWhole()) throw CLI::RuntimeError(EXIT_FAILURE);
+  if (!verification.isWhole()) throw ExitCode(EXIT_FAILURE);
 }
 
 TrimmedRecording trimWithProgress(const Options& options) {
@@ -57,7 +56,7 @@ TrimmedRecording trimWithProgress(const Options& options) {
 }
 
 void trim(const Options& options) {
-  if (options.part.to <= options.part.from) throw CLI::ValidationError("--to", "must be after --from");
+  if (options.part.to <= options.part.from) throw CommandLineError("--to", "must be after --from");
   const TrimmedRecording trimmed = trimWithProgress(options);
   if (options.json) {
     const nlohmann::ordered_json json{{"output", options.output.string()},
@@ -74,51 +73,51 @@ void trim(const Options& options) {
               options.output.c_str());
 }
 
-CLI::App* addAction(CLI::App& command, const std::string& name, const std::string& description,
-                    const std::shared_ptr<Options>& options, void (*work)(const Options&)) {
-  CLI::App* action = command.add_subcommand(name, description);
-  action->add_option("DIR", options->folder, "The recording: a folder with recording.json")->required();
-  action->callback([options, work] { work(*options); });
+Command addAction(Command command, const std::string& name, const std::string& description,
+                  const std::shared_ptr<Options>& options, void (*work)(const Options&)) {
+  const Command action = command.addSubcommand(name, description);
+  action.addOption("DIR", options->folder, "The recording: a folder with recording.json").required();
+  action.callback([options, work] { work(*options); });
   return action;
 }
 
 }  // namespace
 
-void addRecordingCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("recording", "Show, verify or trim a recording");
-  command->require_subcommand(1);
+void addRecordingCommand(Command cartvo) {
+  const Command command = cartvo.addSubcommand("recording", "Show, verify or trim a recording");
+  command.limitSubcommands(1, 1);
   const auto options = std::make_shared<Options>();
-  CLI::App* info =
-      addAction(*command, "info", "Show the contents of a recording from its index (fast)", options, inform);
-  info->add_flag("--json", options->json, "Print JSON");
+  const Command info =
+      addAction(command, "info", "Show the contents of a recording from its index (fast)", options, inform);
+  info.addFlag("--json", options->json, "Print JSON");
 
-  CLI::App* check =
-      addAction(*command, "verify", "Read and decode all pictures and report damage", options, verify);
-  check->add_flag("--json", options->json, "Print JSON");
-  check->footer(
+  const Command check =
+      addAction(command, "verify", "Read and decode all pictures and report damage", options, verify);
+  check.addFlag("--json", options->json, "Print JSON");
+  check.footer(
       "The exit code is 0 if all files are as they were recorded, else 1. Pictures with lost packets count "
       "as\n"
       "damaged, but do not change the exit code, because they were recorded so.");
 
-  CLI::App* part =
-      addAction(*command, "trim", "Copy a part of a recording to a new recording", options, trim);
-  part->add_option("--from", options->part.from,
-                   "Start of the part since the first picture: seconds, or M:SS, or H:MM:SS")
-      ->transform(timeInSeconds())
-      ->type_name("TIME");
-  part->add_option("--to", options->part.to, "End of the part since the first picture, as --from")
-      ->transform(timeInSeconds())
-      ->type_name("TIME");
-  part->add_option("--output-dir", options->output, "Folder for the new recording; created if missing")
-      ->required()
-      ->type_name("DIR");
-  part->add_flag("--json", options->json, "Print what was copied as JSON");
-  part->footer(
+  const Command part =
+      addAction(command, "trim", "Copy a part of a recording to a new recording", options, trim);
+  part.addOption("--from", options->part.from,
+                 "Start of the part since the first picture: seconds, or M:SS, or H:MM:SS")
+      .transform(timeInSeconds())
+      .typeName("TIME");
+  part.addOption("--to", options->part.to, "End of the part since the first picture, as --from")
+      .transform(timeInSeconds())
+      .typeName("TIME");
+  part.addOption("--output-dir", options->output, "Folder for the new recording; created if missing")
+      .required()
+      .typeName("DIR");
+  part.addFlag("--json", options->json, "Print what was copied as JSON");
+  part.footer(
       "Each camera starts with its last key picture at or before --from, so the part may begin earlier; the "
       "result\n"
       "says when. Pictures are not encoded again.");
 
-  command->footer(
+  command.footer(
       "Examples:\n"
       "  cartvo recording info drive\n"
       "  cartvo recording verify drive --json\n"

@@ -10,12 +10,12 @@
 #include <thread>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "calib/model/rig_validation.hpp"
 #include "capture/rtsp/password_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
@@ -61,11 +61,11 @@ struct Options {
   std::filesystem::path page_token;
 };
 
-/// Readouts of --readout-ms. Throws CLI::ValidationError.
+/// Readouts of --readout-ms. Throws CommandLineError.
 ReplayReadouts replayReadouts(const std::string& text) {
   const std::optional<ReplayReadouts> readouts = readReadouts(text, 1e3 * calib::kMaxReadout);
   if (!readouts)
-    throw CLI::ValidationError(
+    throw CommandLineError(
         "--readout-ms",
         "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
   return *readouts;
@@ -214,158 +214,157 @@ void run(Options& options) {
   if (page) showForEver();
 }
 
-void addSourceOptions(CLI::App& command, Options& options) {
+void addSourceOptions(Command command, Options& options) {
   command
-      .add_option("SOURCE", options.replay.source,
-                  "A recording (cartvod --record), a folder of images (KITTI, EuRoC, TUM-VI, New College, "
-                  "Malaga, lists, ...), the left camera's video, or a video with both cameras' pictures side "
-                  "by side")
-      ->required();
-  CLI::Option* right =
-      command.add_option("RIGHT", options.replay.right_video, "The right camera's video, if SOURCE is one");
+      .addOption("SOURCE", options.replay.source,
+                 "A recording (cartvod --record), a folder of images (KITTI, EuRoC, TUM-VI, New College, "
+                 "Malaga, lists, ...), the left camera's video, or a video with both cameras' pictures side "
+                 "by side")
+      .required();
+  const Option right =
+      command.addOption("RIGHT", options.replay.right_video, "The right camera's video, if SOURCE is one");
   command
-      .add_option(
+      .addOption(
           "--offset-ms", options.offset_ms,
           "Offset added to the right video's times; without it the offset is estimated from the images")
-      ->needs(right)
-      ->type_name("MS");
+      .needs(right)
+      .typeName("MS");
   command
-      .add_option("--frame-rate", options.replay.frame_rate,
-                  "Frame rate of the cameras: replaces the time stamps of videos and the times.txt of a "
-                  "folder; needed for raw streams (.h264) and for images without instants")
-      ->check(CLI::Range(0.5, 1000.0))
-      ->type_name("HZ");
+      .addOption("--frame-rate", options.replay.frame_rate,
+                 "Frame rate of the cameras: replaces the time stamps of videos and the times.txt of a "
+                 "folder; needed for raw streams (.h264) and for images without instants")
+      .range(0.5, 1000.0)
+      .typeName("HZ");
   command
-      .add_flag("--side-by-side", options.replay.side_by_side,
-                "Each image of the folder SOURCE, or the video SOURCE, contains both cameras' pictures, the "
-                "left camera's on the left; videos are recognised without it")
-      ->excludes(right);
-  command.add_option("--output-dir", options.output, "Folder for the results; created if it is missing")
-      ->required()
-      ->type_name("DIR");
-  command.add_flag("--json", options.json, "Print the summary as JSON, as in summary.json");
+      .addFlag("--side-by-side", options.replay.side_by_side,
+               "Each image of the folder SOURCE, or the video SOURCE, contains both cameras' pictures, the "
+               "left camera's on the left; videos are recognised without it")
+      .excludes(right);
+  command.addOption("--output-dir", options.output, "Folder for the results; created if it is missing")
+      .required()
+      .typeName("DIR");
+  command.addFlag("--json", options.json, "Print the summary as JSON, as in summary.json");
 }
 
-void addEstimationOptions(CLI::App& command, Options& options) {
+void addEstimationOptions(Command command, Options& options) {
   command
-      .add_option("--rig", options.replay.rig,
-                  "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
-      ->type_name("FILE");
-  command.add_option("--estimator", options.estimator, "Motion estimator")
-      ->check(CLI::IsMember(estimatorNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
+      .addOption("--rig", options.replay.rig,
+                 "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
+      .typeName("FILE");
+  command.addOption("--estimator", options.estimator, "Motion estimator")
+      .choices(estimatorNames())
+      .typeName("NAME")
+      .captureDefault();
   command
-      .add_option("--features", options.replay.odometry.features,
-                  "Target number of features in each left image")
-      ->check(CLI::Range(50, 20000))
-      ->capture_default_str();
+      .addOption("--features", options.replay.odometry.features,
+                 "Target number of features in each left image")
+      .range(50, 20000)
+      .captureDefault();
   command
-      .add_option("--online-rig-refinement", options.rig_refinement,
-                  "Estimation and correction of the right camera's rotation relative to the rig file")
-      ->check(CLI::IsMember(rigRefinementNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
+      .addOption("--online-rig-refinement", options.rig_refinement,
+                 "Estimation and correction of the right camera's rotation relative to the rig file")
+      .choices(rigRefinementNames())
+      .typeName("NAME")
+      .captureDefault();
   command
-      .add_option("--offset-uncertainty-ms", options.offset_uncertainty_ms,
-                  "Standard deviation of the time offset in an image folder, ms; not used for recordings")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MS")
-      ->capture_default_str();
+      .addOption("--offset-uncertainty-ms", options.offset_uncertainty_ms,
+                 "Standard deviation of the time offset in an image folder, ms; not used for recordings")
+      .range(0.0, 1000.0)
+      .typeName("MS")
+      .captureDefault();
   command
-      .add_option("--clock", options.clock,
-                  "Timestamps of a recording: recomputed with the clock of its configuration, with another "
-                  "clock, or as recorded live")
-      ->check(CLI::IsMember(replayClockNames()))
-      ->type_name("NAME")
-      ->capture_default_str();
+      .addOption("--clock", options.clock,
+                 "Timestamps of a recording: recomputed with the clock of its configuration, with another "
+                 "clock, or as recorded live")
+      .choices(replayClockNames())
+      .typeName("NAME")
+      .captureDefault();
   command
-      .add_option("--readout-ms", options.readout_ms,
-                  "Readout of both cameras or of each, as in the rig file but in ms; 0: global shutter; "
-                  "unknown: estimated from the usual 32 ms. Replaces the rig's")
-      ->type_name("BOTH|LEFT,RIGHT");
+      .addOption("--readout-ms", options.readout_ms,
+                 "Readout of both cameras or of each, as in the rig file but in ms; 0: global shutter; "
+                 "unknown: estimated from the usual 32 ms. Replaces the rig's")
+      .typeName("BOTH|LEFT,RIGHT");
   command
-      .add_option("--threads", options.threads,
-                  "Threads for image operations; the results do not depend on it")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+      .addOption("--threads", options.threads,
+                 "Threads for image operations; the results do not depend on it")
+      .range(1, 64)
+      .captureDefault();
   command
-      .add_option(
+      .addOption(
           "--video", options.video,
           "Write a video (.mp4): tracked points by depth, path, speed, rates and validity over the left "
           "picture")
-      ->check([](const std::string& file) -> std::string {
+      .check([](const std::string& file) -> std::string {
         return std::filesystem::path(file).extension() == ".mp4" ? "" : "'" + file + "' is not named .mp4";
       })
-      ->type_name("FILE");
+      .typeName("FILE");
   command
-      .add_option("--truth", options.truth,
-                  "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
-                  "recording of KITTI with its oxts; adds error columns")
-      ->type_name("FILE|DIR");
+      .addOption("--truth", options.truth,
+                 "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
+                 "recording of KITTI with its oxts; adds error columns")
+      .typeName("FILE|DIR");
 }
 
 /// Returns the option and the address that is given with it; without one the page is at kPagePort.
-std::pair<CLI::Option*, std::shared_ptr<std::string>> addPageOptions(CLI::App& command, Options& options) {
+std::pair<Option, std::shared_ptr<std::string>> addPageOptions(Command command, Options& options) {
   const auto address = std::make_shared<std::string>();
-  CLI::Option* page = command
-                          .add_option("--page", *address,
-                                      "Serve a web page that shows the replay at the recorded pace, with "
-                                      "pause and step, until Ctrl-C\n"
-                                      "(default: 127.0.0.1:9465, for browsers on this computer only; 0: any "
-                                      "free port)")
-                          ->type_name("[ADDRESS:]PORT")
-                          ->expected(0, 1)
-                          ->excludes("--video");
+  const Option page = command
+                          .addOption("--page", *address,
+                                     "Serve a web page that shows the replay at the recorded pace, with "
+                                     "pause and step, until Ctrl-C\n"
+                                     "(default: 127.0.0.1:9465, for browsers on this computer only; 0: any "
+                                     "free port)")
+                          .typeName("[ADDRESS:]PORT")
+                          .expected(0, 1)
+                          .excludes("--video");
   command
-      .add_option("--page-token", options.page_token,
-                  "With --page at an address that other computers reach: file with the token that they need")
-      ->needs(page)
-      ->type_name("FILE");
+      .addOption("--page-token", options.page_token,
+                 "With --page at an address that other computers reach: file with the token that they need")
+      .needs(page)
+      .typeName("FILE");
   return {page, address};
 }
 
-/// Throws CLI::ValidationError.
+/// Throws CommandLineError.
 ListenAddress pageAddress(const std::string& text) {
   constexpr std::uint16_t kPagePort = 9465;
   if (text.empty()) return {.port = kPagePort};
   try {
     return ListenAddress::parse(text);
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError("--page", error.what());
+    throw CommandLineError("--page", error.what());
   }
 }
 
-void addPublishOptions(CLI::App& command, Options& options) {
-  CLI::Option* publish = command.add_flag(
+void addPublishOptions(Command command, Options& options) {
+  const Option publish = command.addFlag(
       "--publish", options.publish,
       "Publish each pair over LCM too, as cartvod does: at the recorded pace, with instants of now");
-  command.add_option("--speed", options.speed, "With --publish or --page: factor on the recorded pace")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
+  command.addOption("--speed", options.speed, "With --publish or --page: factor on the recorded pace")
+      .range(0.01, 100.0)
+      .captureDefault();
   command
-      .add_flag(
-          "--loop", options.loop,
-          "With --publish: publish the replay again and again, until Ctrl-C; results are written before")
-      ->needs(publish);
-  command.add_option("--url", options.url, "With --publish: LCM URL")
-      ->needs(publish)
-      ->type_name("URL")
-      ->capture_default_str();
+      .addFlag("--loop", options.loop,
+               "With --publish: publish the replay again and again, until Ctrl-C; results are written before")
+      .needs(publish);
+  command.addOption("--url", options.url, "With --publish: LCM URL")
+      .needs(publish)
+      .typeName("URL")
+      .captureDefault();
 }
 
 }  // namespace
 
-void addReplayCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("replay", "Estimate the motion from a recording or a folder of images");
+void addReplayCommand(Command cartvo) {
+  const Command command =
+      cartvo.addSubcommand("replay", "Estimate the motion from a recording or a folder of images");
   const auto options = std::make_shared<Options>();
-  addSourceOptions(*command, *options);
-  addEstimationOptions(*command, *options);
-  addAlertLimitsOption(*command, options->replay.alert_limits);
-  addPublishOptions(*command, *options);
-  const auto page = addPageOptions(*command, *options);
-  command->footer(
+  addSourceOptions(command, *options);
+  addEstimationOptions(command, *options);
+  addAlertLimitsOption(command, options->replay.alert_limits);
+  addPublishOptions(command, *options);
+  const auto page = addPageOptions(command, *options);
+  command.footer(
       "Without --rig the rig is that of the recording, or rig.yaml, EuRoC's sensor.yaml, KITTI's calib.txt "
       "or "
       "TUM-VI's\n"
@@ -380,10 +379,10 @@ void addReplayCommand(CLI::App& cartvo) {
       "  cartvo replay zed_pictures --side-by-side --frame-rate 30 --rig zed.yaml --output-dir out\n"
       "  cartvo replay raw_images --output-dir out --video out/replay.mp4\n"
       "  cartvo replay left.mp4 right.mkv --rig rig.yaml --output-dir out");
-  command->callback([options, page, command] {
-    if (command->count("--speed") > 0 && !options->publish && page.first->count() == 0)
-      throw CLI::ValidationError("--speed", "needs --publish or --page");
-    if (page.first->count() > 0) options->page = pageAddress(*page.second);
+  command.callback([options, page, command] {
+    if (command.option("--speed").value().count() > 0 && !options->publish && page.first.count() == 0)
+      throw CommandLineError("--speed", "needs --publish or --page");
+    if (page.first.count() > 0) options->page = pageAddress(*page.second);
     options->replay.odometry.estimator = estimatorNamed(options->estimator);
     options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;

@@ -8,11 +8,11 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "capture/rtsp/password_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/units.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
@@ -219,11 +219,12 @@ void run(const SimulateOptions& options) {
 
 }  // namespace
 
-void addSimulateCommand(CLI::App& cartvo) {
-  CLI::App* command = cartvo.add_subcommand("simulate", "Serve two simulated IP cameras, with ground truth");
+void addSimulateCommand(Command cartvo) {
+  const Command command =
+      cartvo.addSubcommand("simulate", "Serve two simulated IP cameras, with ground truth");
   const auto options = std::make_shared<SimulateOptions>();
-  addSimulateOptions(*command, *options);
-  command->footer(
+  const auto names_content = addSimulateOptions(command, *options);
+  command.footer(
       "Each camera is an RTSP server, rtsp://ADDRESS:PORT/Streaming/Channels/101, with H.264 without "
       "B-frames,\n"
       "Digest authentication (user admin, password in OUTPUT-DIR/password) and RTCP sender reports that "
@@ -241,7 +242,11 @@ void addSimulateCommand(CLI::App& cartvo) {
       "  cartvo simulate --offset-ms 0 --readout-ms 0         synchronised global shutters\n"
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
       "  cartvo simulate --render --output-dir drive          an image folder instead of streams");
-  command->callback([options] { run(*options); });
+  command.callback([options, names_content] {
+    const bool makes_files = options->render || options->encode || options->prepare_only;
+    if (!names_content() && !makes_files) options->recording = sampleDrive();
+    run(*options);
+  });
 }
 
 }  // namespace cartvo

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include <opencv2/core/types.hpp>
 
-#include "common/command_line/cli11_forward.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/world/world_settings.hpp"
 
 namespace cartvo {
+
+class Command;
 
 /// A drive that is rendered in a minute: about two pairs a second on two cores.
 inline world::WorldSettings shortDrive() {
@@ -26,8 +28,8 @@ inline world::WorldSettings shortDrive() {
 struct SimulateOptions {
   std::string world = "campus";
   std::filesystem::path sequence;
-  std::filesystem::path recording;  ///< the sample drive unless other content is named
-  double seconds = 0.0;             ///< 0: the content's own length
+  std::filesystem::path recording;
+  double seconds = 0.0;  ///< 0: the content's own length
   world::WorldSettings drive = shortDrive();
   std::string size = "680x420";
   std::optional<double> offset_ms;         ///< empty: see cameraTiming
@@ -71,8 +73,8 @@ struct CameraTiming {
 /// std::invalid_argument if the readouts are no numbers.
 CameraTiming cameraTiming(const SimulateOptions& options);
 
-/// Adds the options to `command`; `options` must outlive it. Without options of the content, the sample drive
-/// is played.
-void addSimulateOptions(CLI::App& command, SimulateOptions& options);
+/// Adds the options to `command`; `options` must outlive it. Returns whether a parsed command line names the
+/// content, with any of its options.
+std::function<bool()> addSimulateOptions(Command command, SimulateOptions& options);
 
 }  // namespace cartvo

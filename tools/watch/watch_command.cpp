@@ -6,9 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/cartvo/time_option.hpp"
@@ -46,38 +45,37 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addWatchCommand(CLI::App& cartvo) {
-  CLI::App* command =
-      cartvo.add_subcommand("watch", "Show the odometry of cartvod live, with a summary at the end");
+void addWatchCommand(Command cartvo) {
+  const Command command =
+      cartvo.addSubcommand("watch", "Show the odometry of cartvod live, with a summary at the end");
   const auto options = std::make_shared<Options>();
   WatchSettings& watch = options->watch;
-  command->add_option("--url", watch.url, "LCM URL, equal to lcm.url in the configuration of cartvod")
-      ->capture_default_str();
+  command.addOption("--url", watch.url, "LCM URL, equal to lcm.url in the configuration of cartvod")
+      .captureDefault();
   command
-      ->add_option("--seconds", watch.seconds,
-                   "End this many seconds after the first message (default: at Ctrl-C)")
-      ->transform(positiveTimeInSeconds());
+      .addOption("--seconds", watch.seconds,
+                 "End this many seconds after the first message (default: at Ctrl-C)")
+      .transform(positiveTimeInSeconds());
+  command.addOption("--until-silent", watch.until_silent, "End after this many seconds without a stereo pair")
+      .transform(positiveTimeInSeconds());
+  command.addOption("--wait", watch.first_message, "Seconds to wait for the first message")
+      .transform(positiveTimeInSeconds())
+      .captureDefault();
   command
-      ->add_option("--until-silent", watch.until_silent, "End after this many seconds without a stereo pair")
-      ->transform(positiveTimeInSeconds());
-  command->add_option("--wait", watch.first_message, "Seconds to wait for the first message")
-      ->transform(positiveTimeInSeconds())
-      ->capture_default_str();
+      .addOption("--output-dir", options->output,
+                 "Folder for the valid body poses (trajectory.tum) and the summary (summary.json); created "
+                 "if it is missing")
+      .typeName("DIR");
+  command.addFlag("--plain", watch.plain,
+                  "Print one line per second instead of a full screen or a redrawn line");
+  command.addFlag("--json", options->json,
+                  "Print the summary as JSON; the live line goes to standard error then");
   command
-      ->add_option("--output-dir", options->output,
-                   "Folder for the valid body poses (trajectory.tum) and the summary (summary.json); created "
-                   "if it is missing")
-      ->type_name("DIR");
-  command->add_flag("--plain", watch.plain,
-                    "Print one line per second instead of a full screen or a redrawn line");
-  command->add_flag("--json", options->json,
-                    "Print the summary as JSON; the live line goes to standard error then");
-  command
-      ->add_option("--require-valid", options->required_percent,
-                   "Fail (exit code 1) if less than this share of the pairs was valid, %")
-      ->check(CLI::Range(0.0, 100.0))
-      ->type_name("PERCENT");
-  command->callback([options] {
+      .addOption("--require-valid", options->required_percent,
+                 "Fail (exit code 1) if less than this share of the pairs was valid, %")
+      .range(0.0, 100.0)
+      .typeName("PERCENT");
+  command.callback([options] {
     options->watch.to_error_output = options->json;
     run(*options);
   });

@@ -45,6 +45,11 @@ class RunningCartvo {
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
+  bool isRunning() const {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           ended.si_pid == 0;
+  }
   /// Sends SIGINT.
   void interrupt() const { kill(pid_, SIGINT); }
 

@@ -3,11 +3,11 @@
 #include <fstream>
 #include <limits>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "common/command_line/command_line_error.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/cartvo/interruption.hpp"
@@ -72,8 +72,8 @@ TEST(Interruption, TurnsASignalIntoAnErrorAfterWhichNothingIsLeft) {
   try {
     write();
     ADD_FAILURE() << "the signal was ignored";
-  } catch (const CLI::RuntimeError& error) {
-    EXPECT_EQ(error.get_exit_code(), 128 + SIGINT);
+  } catch (const ExitCode& end) {
+    EXPECT_EQ(end.code(), 128 + SIGINT);
   }
   EXPECT_EQ(fileCount(folder.path()), 0u);
 }

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SimulateCommand, RejectsInvalidArguments) {
-  const std::array<std::pair<const char*, const char*>, 12> invalid{{
+  const std::array<std::pair<const char*, const char*>, 14> invalid{{
       {"--world nowhere", "unknown scenario 'nowhere'; there are: campus"},
       {"--size 680", "'680' is not WIDTHxHEIGHT, such as 680x420"},
       {"--left-address here", "'here' is not ADDRESS:PORT, such as 127.0.0.1:8554"},
@@ -31,6 +31,8 @@ TEST(SimulateCommand, RejectsInvalidArguments) {
       {"--sequence folder --start-at 3", "--sequence excludes --start-at"},
       {"--liveliness 2", "--liveliness"},
       {"--world campus --sequence folder", "--world excludes --sequence"},
+      {"--recording folder --offset-ms 3", "--recording excludes --offset-ms"},
+      {"--recording folder --world campus", "--recording excludes --world"},
   }};
   for (const auto& [arguments, message] : invalid) {
     const test::CommandResult run = test::runCartvo(std::string("simulate ") + arguments);

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/accuracy/ablation_report.hpp"
 #include "tools/benchmark/accuracy/ablation_variants.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
@@ -71,23 +71,24 @@ std::string variantList() {
 
 }  // namespace
 
-void addAblationBenchmark(CLI::App& benchmark) {
-  CLI::App* command = benchmark.add_subcommand("ablation", "Measure the effect of each part of the method");
+void addAblationBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("ablation", "Measure the effect of each part of the method");
   const auto options = std::make_shared<AblationOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addDriveOptions(*command, options->drives);
+  addBenchmarkOptions(command, options->common);
+  addDriveOptions(command, options->drives);
   command
-      ->add_option("--offset-ms", options->offset_ms,
-                   "Time offset of the right camera in rendered worlds (positive: exposed later)")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
+      .addOption("--offset-ms", options->offset_ms,
+                 "Time offset of the right camera in rendered worlds (positive: exposed later)")
+      .range(-1000.0, 1000.0)
+      .captureDefault();
   command
-      ->add_option("--variants", options->variants,
-                   "Parts to remove or change, one at a time; as-it-is is always measured:" + variantList())
-      ->delimiter(',')
-      ->check(CLI::IsMember(ablationNames()))
-      ->type_name("LIST");
-  command->footer(
+      .addOption("--variants", options->variants,
+                 "Parts to remove or change, one at a time; as-it-is is always measured:" + variantList())
+      .delimiter(',')
+      .choices(ablationNames())
+      .typeName("LIST");
+  command.footer(
       "Measures each real and rendered sequence with each variant of the odometry. docs/how-it-works.md "
       "describes the\n"
       "parts of the method; cartvo-benchmark(1) defines each number.\n"
@@ -96,7 +97,7 @@ void addAblationBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark ablation --data none --scenarios traffic --variants two-pairs,not-robust\n"
       "  cartvo benchmark ablation --format markdown                      everything: half an hour of "
       "rendering");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

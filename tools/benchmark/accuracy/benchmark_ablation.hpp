@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark ablation`.
-void addAblationBenchmark(CLI::App& benchmark);
+void addAblationBenchmark(Command benchmark);
 
 }  // namespace cartvo

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/accuracy/accuracy_report.hpp"
 #include "tools/benchmark/accuracy/accuracy_samples.hpp"
@@ -56,16 +56,16 @@ std::string shellWord(const std::string& text) {
 }
 
 /// The options of the command line that select what is measured.
-std::string givenOptions(const CLI::App& command) {
+std::string givenOptions(Command command) {
   std::string text;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || option->get_group() == kJobOptions) continue;
-    text += " " + option->get_name();
-    if (option->get_expected_max() == 0) continue;  // a flag
+  for (const Option option : command.options()) {
+    if (option.count() == 0 || option.groupName() == kJobOptions) continue;
+    text.append(" ").append(option.name());
+    if (option.isFlag()) continue;
     std::string values;
-    for (const std::string& value : option->results())
+    for (const std::string& value : option.values())
       values += (values.empty() ? "" : ",") + value;
-    text += " " + shellWord(values);
+    text.append(" ").append(shellWord(values));
   }
   return text;
 }
@@ -151,81 +151,81 @@ void runAccuracy(const AccuracyOptions& options) {
 }
 
 /// Options of a benchmark that several computers share.
-void addJobOptions(CLI::App& command, AccuracyOptions& options) {
-  CLI::Option* list =
+void addJobOptions(Command command, AccuracyOptions& options) {
+  const Option list =
       command
-          .add_option("--list", options.list,
-                      "Measure nothing: print a command for each sequence, which writes its results to this\n"
-                      "folder. The commands are independent and may run on several computers")
-          ->type_name("DIR");
-  CLI::Option* merge = command
-                           .add_option("--merge", options.merge,
-                                       "Measure nothing: print the table of the results in this folder")
-                           ->type_name("DIR")
-                           ->check(CLI::ExistingDirectory)
-                           ->excludes(list);
-  CLI::Option* only = command.add_option("--only", options.only, "Measure only the sequence of this number")
-                          ->type_name("NUMBER")
-                          ->check(CLI::Range(1, 1'000'000))
-                          ->excludes(list)
-                          ->excludes(merge);
-  CLI::Option* samples =
-      command.add_option("--samples", options.samples, "Write the results to this file for --merge")
-          ->type_name("FILE")
-          ->needs(only)
-          ->excludes(list)
-          ->excludes(merge);
-  for (CLI::Option* option : {list, merge, only, samples})
-    option->group(kJobOptions);
+          .addOption("--list", options.list,
+                     "Measure nothing: print a command for each sequence, which writes its results to this\n"
+                     "folder. The commands are independent and may run on several computers")
+          .typeName("DIR");
+  const Option merge = command
+                           .addOption("--merge", options.merge,
+                                      "Measure nothing: print the table of the results in this folder")
+                           .typeName("DIR")
+                           .existingFolder()
+                           .excludes(list);
+  const Option only = command.addOption("--only", options.only, "Measure only the sequence of this number")
+                          .typeName("NUMBER")
+                          .range(1, 1'000'000)
+                          .excludes(list)
+                          .excludes(merge);
+  const Option samples =
+      command.addOption("--samples", options.samples, "Write the results to this file for --merge")
+          .typeName("FILE")
+          .needs(only)
+          .excludes(list)
+          .excludes(merge);
+  for (const Option option : {list, merge, only, samples})
+    option.group(kJobOptions);
   for (const char* name : {"--format", "--json", "--output"})
-    command.get_option(name)->group(kJobOptions);
+    command.option(name).value().group(kJobOptions);
 }
 
-void addWorldOptions(CLI::App& command, AccuracyOptions& options) {
-  CLI::Option* scenarios = addWorldChoice(command, options.worlds);
-  CLI::Option* seconds =
+void addWorldOptions(Command command, AccuracyOptions& options) {
+  const Option scenarios = addWorldChoice(command, options.worlds);
+  const Option seconds =
       command
-          .add_option("--seconds", options.seconds,
-                      "Length of each drive (default: 75 loop, 60 campus, 22 standing, 40 the others)")
-          ->check(CLI::Range(1.0, 3600.0));
+          .addOption("--seconds", options.seconds,
+                     "Length of each drive (default: 75 loop, 60 campus, 22 standing, 40 the others)")
+          .range(1.0, 3600.0);
   command
-      .add_option("--offset-ms", options.offset_ms,
-                  "Time offset of the right camera in rendered worlds (positive: exposed later)")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->capture_default_str();
+      .addOption("--offset-ms", options.offset_ms,
+                 "Time offset of the right camera in rendered worlds (positive: exposed later)")
+      .range(-1000.0, 1000.0)
+      .captureDefault();
   addReadoutOption(command, options.readout_ms, "default: 0");
   command
-      .add_option("--cache-dir", options.cache,
-                  "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
-      ->type_name("DIR")
-      ->capture_default_str();
-  command.add_flag("--quick", options.quick, "Use only the worlds campus and standing, six seconds each")
-      ->excludes(scenarios)
-      ->excludes("--set")
-      ->excludes(seconds);
+      .addOption("--cache-dir", options.cache,
+                 "Folder for rendered worlds (0.4 GB per minute) and encoded streams")
+      .typeName("DIR")
+      .captureDefault();
+  command.addFlag("--quick", options.quick, "Use only the worlds campus and standing, six seconds each")
+      .excludes(scenarios)
+      .excludes("--set")
+      .excludes(seconds);
 }
 
 }  // namespace
 
-void addAccuracyBenchmark(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("accuracy", "Print one table of errors, consistency and times");
+void addAccuracyBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("accuracy", "Print one table of errors, consistency and times");
   const auto options = std::make_shared<AccuracyOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addWorldOptions(*command, *options);
-  command->add_option("--estimators", options->estimators, "Estimators to compare")
-      ->delimiter(',')
-      ->check(CLI::IsMember(estimatorNames()))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command->add_option("--features", options->features, "Target number of features in each left image")
-      ->check(CLI::Range(50, 20000))
-      ->capture_default_str();
-  addBitratesOption(*command, options->bitrates_mbps,
+  addBenchmarkOptions(command, options->common);
+  addWorldOptions(command, *options);
+  command.addOption("--estimators", options->estimators, "Estimators to compare")
+      .delimiter(',')
+      .choices(estimatorNames())
+      .typeName("LIST")
+      .captureDefault();
+  command.addOption("--features", options->features, "Target number of features in each left image")
+      .range(50, 20000)
+      .captureDefault();
+  addBitratesOption(command, options->bitrates_mbps,
                     "Measure the same images also as H.264 at these rates (kbit/s per camera),\n"
                     "encoded as by a camera and decoded by the decoder of cartvod");
-  addJobOptions(*command, *options);
-  command->footer(
+  addJobOptions(command, *options);
+  command.footer(
       "Runs every real and rendered sequence through the daemon's pipeline, as `cartvo replay` does, and\n"
       "compares with the truth. A world is rendered once, at about 2 pairs per second, and kept in the "
       "cache. "
@@ -241,8 +241,8 @@ void addAccuracyBenchmark(CLI::App& benchmark) {
       "  sh jobs && cartvo benchmark accuracy --merge results             and the table of all of them\n"
       "docs/accuracy.md has the three commands of its table. tools/slurm/run_jobs runs the jobs on many "
       "computers.");
-  command->callback([options, command] {
-    options->given = givenOptions(*command);
+  command.callback([options, command] {
+    options->given = givenOptions(command);
     if (options->quick) {
       options->worlds.scenarios = {"campus", "standing"};
       options->seconds = 6.0;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark accuracy`.
-void addAccuracyBenchmark(CLI::App& benchmark);
+void addAccuracyBenchmark(Command benchmark);
 
 }  // namespace cartvo

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/offset/offset_benchmark.hpp"
 #include "tools/benchmark/offset/offset_plot.hpp"
@@ -77,44 +77,44 @@ void run(const OffsetOptions& options) {
   });
 }
 
-void addClockOptions(CLI::App& command, OffsetOptions& options) {
+void addClockOptions(Command command, OffsetOptions& options) {
   command
-      .add_option("--offsets-ms", options.offsets_ms,
-                  "Time offsets of the right camera (positive: exposed later); 0 is always measured")
-      ->delimiter(',')
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--offsets-ms", options.offsets_ms,
+                 "Time offsets of the right camera (positive: exposed later); 0 is always measured")
+      .delimiter(',')
+      .range(-1000.0, 1000.0)
+      .typeName("LIST")
+      .captureDefault();
   command
-      .add_option("--sweeps", options.sweeps,
-                  "Drifting clocks: slow (50 ppm, across half a frame period, partners are kept), fast\n"
-                  "(through all offsets within the drive), none")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"slow", "fast", "none"}))
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--sweeps", options.sweeps,
+                 "Drifting clocks: slow (50 ppm, across half a frame period, partners are kept), fast\n"
+                 "(through all offsets within the drive), none")
+      .delimiter(',')
+      .choices({"slow", "fast", "none"})
+      .typeName("LIST")
+      .captureDefault();
 }
 
 }  // namespace
 
-void addOffsetBenchmark(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("offset", "Measure errors over the time offset between the cameras");
+void addOffsetBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("offset", "Measure errors over the time offset between the cameras");
   const auto options = std::make_shared<OffsetOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addDriveOptions(*command, options->drives);
-  addClockOptions(*command, *options);
+  addBenchmarkOptions(command, options->common);
+  addDriveOptions(command, options->drives);
+  addClockOptions(command, *options);
   command
-      ->add_option(
+      .addOption(
           "--models", options->models,
           "two-instants: both exposure instants, as in cartvod; simultaneous: the left instant for both\n"
           "images, as in other odometries")
-      ->delimiter(',')
-      ->check(CLI::IsMember(offsetModelNames()))
-      ->type_name("LIST")
-      ->capture_default_str();
-  addPlotOption(*command, options->plot, "errors over offsets");
-  command->footer(
+      .delimiter(',')
+      .choices(offsetModelNames())
+      .typeName("LIST")
+      .captureDefault();
+  addPlotOption(command, options->plot, "errors over offsets");
+  command.footer(
       "Measures each rendered drive with each time offset of the right camera, and with drifting clocks. The "
       "images of\n"
       "the left camera do not depend on the offset and are rendered once. Real sequences are used at half "
@@ -125,7 +125,7 @@ void addOffsetBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark offset --data none --scenarios campus --seconds 10 --offsets-ms 25 --sweeps none\n"
       "  cartvo benchmark offset --scenarios none                          real images only: seconds\n"
       "  cartvo benchmark offset --format markdown --plot offset.svg       everything: hours of rendering");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

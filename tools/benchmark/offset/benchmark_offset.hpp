@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark offset`.
-void addOffsetBenchmark(CLI::App& benchmark);
+void addOffsetBenchmark(Command benchmark);
 
 }  // namespace cartvo

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/robustness/robustness_benchmark.hpp"
 #include "tools/benchmark/robustness/robustness_report.hpp"
@@ -69,22 +69,22 @@ std::string disturbanceHelp() {
 
 }  // namespace
 
-void addRobustnessBenchmark(CLI::App& benchmark) {
-  CLI::App* command = benchmark.add_subcommand(
+void addRobustnessBenchmark(Command benchmark) {
+  const Command command = benchmark.addSubcommand(
       "robustness", "Compare both estimators on disturbed sequences: lost pairs, text, a wrong rig, ...");
   const auto options = std::make_shared<RobustnessOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addDriveOptions(*command, options->drives);
-  command->add_option("--disturbances", options->disturbances, disturbanceHelp())
-      ->delimiter(',')
-      ->check(CLI::IsMember(disturbanceNames()))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command->add_flag("--quick", options->quick, "Use only the world rough, six seconds of it")
-      ->excludes("--scenarios")
-      ->excludes("--set")
-      ->excludes("--seconds");
-  command->footer(
+  addBenchmarkOptions(command, options->common);
+  addDriveOptions(command, options->drives);
+  command.addOption("--disturbances", options->disturbances, disturbanceHelp())
+      .delimiter(',')
+      .choices(disturbanceNames())
+      .typeName("LIST")
+      .captureDefault();
+  command.addFlag("--quick", options->quick, "Use only the world rough, six seconds of it")
+      .excludes("--scenarios")
+      .excludes("--set")
+      .excludes("--seconds");
+  command.footer(
       "Plays every real and rendered sequence as it is and with each disturbance, with `estimator: "
       "reprojection` and with\n"
       "`estimator: thesis`. The last line counts the rows where the default is worse, and its VALID messages "
@@ -94,7 +94,7 @@ void addRobustnessBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark robustness --quick                              some minutes\n"
       "  cartvo benchmark robustness --scenarios none                     real images only\n"
       "  cartvo benchmark robustness --data none --disturbances lose30,bursts --format markdown");
-  command->callback([options] {
+  command.callback([options] {
     if (options->quick) {
       options->drives.worlds.scenarios = {"rough"};
       options->drives.seconds = 6.0;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark robustness`.
-void addRobustnessBenchmark(CLI::App& benchmark);
+void addRobustnessBenchmark(Command benchmark);
 
 }  // namespace cartvo

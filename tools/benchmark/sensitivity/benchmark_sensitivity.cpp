@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/sensitivity/sensitivity_benchmark.hpp"
 #include "tools/benchmark/sensitivity/sensitivity_report.hpp"
@@ -94,53 +94,51 @@ void run(const SensitivityOptions& options) {
       });
 }
 
-void addChanges(CLI::App& command, SensitivityOptions& options) {
+void addChanges(Command command, SensitivityOptions& options) {
   command
-      .add_option("--constants", options.constants,
-                  "Constants to change, one at a time (default: all; see --list)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(constantNames()).description(""))
-      ->type_name("LIST");
+      .addOption("--constants", options.constants,
+                 "Constants to change, one at a time (default: all; see --list)")
+      .delimiter(',')
+      .unlistedChoices(constantNames())
+      .typeName("LIST");
   command
-      .add_option(
-          "--factor", options.factor,
-          "Each constant is divided and multiplied by this; integers change by at least one. A large\n"
-          "factor takes each to the end of its range, where most rules have no effect")
-      ->check(CLI::Range(1.001, 1e9))
-      ->capture_default_str();
-  command.add_flag(
+      .addOption("--factor", options.factor,
+                 "Each constant is divided and multiplied by this; integers change by at least one. A large\n"
+                 "factor takes each to the end of its range, where most rules have no effect")
+      .range(1.001, 1e9)
+      .captureDefault();
+  command.addFlag(
       "--list", options.list,
       "Print all constants and the limits of the product, with units, ranges and\nsources, instead");
 }
 
 }  // namespace
 
-void addSensitivityBenchmark(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("sensitivity", "Measure how much the results depend on each tuned constant");
+void addSensitivityBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("sensitivity", "Measure how much the results depend on each tuned constant");
   const auto options = std::make_shared<SensitivityOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addDriveOptions(*command, options->drives);
-  addChanges(*command, *options);
-  command->add_option("--offsets-ms", options->offsets_ms, "Time offsets of the right camera, for each drive")
-      ->delimiter(',')
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->type_name("LIST")
-      ->capture_default_str();
+  addBenchmarkOptions(command, options->common);
+  addDriveOptions(command, options->drives);
+  addChanges(command, *options);
+  command.addOption("--offsets-ms", options->offsets_ms, "Time offsets of the right camera, for each drive")
+      .delimiter(',')
+      .range(-1000.0, 1000.0)
+      .typeName("LIST")
+      .captureDefault();
   command
-      ->add_option("--readouts-ms", options->readouts_ms,
-                   "Readouts of both cameras, for each drive and offset")
-      ->delimiter(',')
-      ->check(CLI::Range(-100.0, 100.0))
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--readouts-ms", options->readouts_ms, "Readouts of both cameras, for each drive and offset")
+      .delimiter(',')
+      .range(-100.0, 100.0)
+      .typeName("LIST")
+      .captureDefault();
   command
-      ->add_option("--image-scale", options->image_scale,
-                   "Factor on the size of rendered images: 0.5 is four times as fast")
-      ->check(CLI::Range(0.25, 2.0))
-      ->capture_default_str();
-  addBitratesOption(*command, options->bitrates_mbps, "Also as H.264 at these rates, kbit/s per camera");
-  command->footer(
+      .addOption("--image-scale", options->image_scale,
+                 "Factor on the size of rendered images: 0.5 is four times as fast")
+      .range(0.25, 2.0)
+      .captureDefault();
+  addBitratesOption(command, options->bitrates_mbps, "Also as H.264 at these rates, kbit/s per camera");
+  command.footer(
       "Two runs for each constant, --threads at a time. Constants that change the results no more than "
       "chance\n"
       "does, also with a large factor and in all kinds of drives, are not needed. Choose constants on other\n"
@@ -150,7 +148,7 @@ void addSensitivityBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark sensitivity --constants stereo.uniqueness,bundle.frames\n"
       "  cartvo benchmark sensitivity --scenarios dusk,low_texture --image-scale 0.5 --factor 100\n"
       "  cartvo benchmark sensitivity --bitrates-kbps 2000 --format markdown --output sensitivity.md");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark sensitivity`.
-void addSensitivityBenchmark(CLI::App& benchmark);
+void addSensitivityBenchmark(Command benchmark);
 
 }  // namespace cartvo

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "common/command_line/parser.hpp"
 #include "common/units.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/shutter/shutter_benchmark.hpp"
@@ -107,67 +107,67 @@ void run(const ShutterOptions& options) {
   if (!options.plot.empty()) writeDrawing(options.plot, shutterPlot(accuracies));
 }
 
-void addShakeOptions(CLI::App& command, ShutterOptions& options) {
+void addShakeOptions(Command command, ShutterOptions& options) {
   command
-      .add_option("--shake-hz", options.shake_hz,
-                  "Frequencies of a vibration of the cameras' mount, each measured with synchronised\n"
-                  "cameras, a global shutter and --shake-readout-ms")
-      ->delimiter(',')
-      ->check(CLI::Range(0.1, 50.0))
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--shake-hz", options.shake_hz,
+                 "Frequencies of a vibration of the cameras' mount, each measured with synchronised\n"
+                 "cameras, a global shutter and --shake-readout-ms")
+      .delimiter(',')
+      .range(0.1, 50.0)
+      .typeName("LIST")
+      .captureDefault();
   command
-      .add_option("--shake-degrees", options.shake_degrees,
-                  "Amplitude of the vibration in pitch, 0.6 of it in roll; 0: no shaken drives")
-      ->check(CLI::Range(0.0, 5.0))
-      ->capture_default_str();
-  command.add_option("--shake-readout-ms", options.shake_readout_ms, "Readout in shaken drives")
-      ->check(checkReadout)
-      ->type_name("BOTH|LEFT/RIGHT")
-      ->capture_default_str();
+      .addOption("--shake-degrees", options.shake_degrees,
+                 "Amplitude of the vibration in pitch, 0.6 of it in roll; 0: no shaken drives")
+      .range(0.0, 5.0)
+      .captureDefault();
+  command.addOption("--shake-readout-ms", options.shake_readout_ms, "Readout in shaken drives")
+      .check(checkReadout)
+      .typeName("BOTH|LEFT/RIGHT")
+      .captureDefault();
 }
 
-void addShutterOptions(CLI::App& command, ShutterOptions& options) {
+void addShutterOptions(Command command, ShutterOptions& options) {
   command
-      .add_option("--readouts-ms", options.readouts_ms,
-                  "Readouts: time from the exposure of the upper edge of an image to that of the\n"
-                  "lower one, of both cameras, or LEFT/RIGHT; 0 is the reference of the others")
-      ->delimiter(',')
-      ->check(checkReadout)
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--readouts-ms", options.readouts_ms,
+                 "Readouts: time from the exposure of the upper edge of an image to that of the\n"
+                 "lower one, of both cameras, or LEFT/RIGHT; 0 is the reference of the others")
+      .delimiter(',')
+      .check(checkReadout)
+      .typeName("LIST")
+      .captureDefault();
   command
-      .add_option("--offsets-ms", options.offsets_ms,
-                  "Time offsets of the right camera (positive: exposed later)")
-      ->delimiter(',')
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_flag("--no-sweep", options.no_sweep,
-                   "Leave out the free-running right camera, whose offset passes through all values");
+      .addOption("--offsets-ms", options.offsets_ms,
+                 "Time offsets of the right camera (positive: exposed later)")
+      .delimiter(',')
+      .range(-1000.0, 1000.0)
+      .typeName("LIST")
+      .captureDefault();
+  command.addFlag("--no-sweep", options.no_sweep,
+                  "Leave out the free-running right camera, whose offset passes through all values");
   addShakeOptions(command, options);
   command
-      .add_option("--models", options.models,
-                  "What the odometry knows. known: the true readout; estimated: 32 ms with 40 %, as of\n"
-                  "cameras whose rig file states none; ignored: it assumes a global shutter")
-      ->delimiter(',')
-      ->check(CLI::IsMember(readoutModelNames()))
-      ->type_name("LIST")
-      ->capture_default_str();
+      .addOption("--models", options.models,
+                 "What the odometry knows. known: the true readout; estimated: 32 ms with 40 %, as of\n"
+                 "cameras whose rig file states none; ignored: it assumes a global shutter")
+      .delimiter(',')
+      .choices(readoutModelNames())
+      .typeName("LIST")
+      .captureDefault();
 }
 
 }  // namespace
 
-void addShutterBenchmark(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("shutter", "Measure errors over the readout of rolling shutters");
+void addShutterBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("shutter", "Measure errors over the readout of rolling shutters");
   const auto options = std::make_shared<ShutterOptions>();
-  addReportOptions(*command, options->common);
-  addAlertLimitsOption(*command, options->common.limits);
-  addDriveOptions(*command, options->drives);
-  addShutterOptions(*command, *options);
-  addPlotOption(*command, options->plot, "errors over readouts and vibrations");
-  command->footer(
+  addReportOptions(command, options->common);
+  addAlertLimitsOption(command, options->common.limits);
+  addDriveOptions(command, options->drives);
+  addShutterOptions(command, *options);
+  addPlotOption(command, options->plot, "errors over readouts and vibrations");
+  command.footer(
       "Measures each rendered drive with each readout and time offset, and with a vibration of the cameras' "
       "mount.\n"
       "Each row of a rendered image is taken at its own instant. An image counts at the exposure of its "
@@ -179,7 +179,7 @@ void addShutterBenchmark(CLI::App& benchmark) {
       "--shake-degrees 0\n"
       "  cartvo benchmark shutter --scenarios campus --readouts-ms 0 --offsets-ms 0 --no-sweep --shake-hz 8\n"
       "  cartvo benchmark shutter --format markdown --plot shutter.svg      everything: hours of rendering");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark shutter`.
-void addShutterBenchmark(CLI::App& benchmark);
+void addShutterBenchmark(Command benchmark);
 
 }  // namespace cartvo

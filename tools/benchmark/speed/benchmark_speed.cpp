@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "common/command_line/parser.hpp"
 #include "common/image_size.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/speed/speed_benchmark.hpp"
@@ -65,47 +64,47 @@ void run(const SpeedOptions& options) {
       [&](ReportFormat format) { return speedTables(results, format); });
 }
 
-void addChoices(CLI::App& command, SpeedOptions& options) {
-  command.add_option("--sizes", options.sizes, "Image sizes of the rendered campus drive, or none")
-      ->delimiter(',')
-      ->check(CLI::Validator(checkSize, "WIDTHxHEIGHT"))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_option("--features", options.features, "Target numbers of features in each left image")
-      ->delimiter(',')
-      ->check(CLI::Range(50, 20000))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_option("--thread-counts", options.thread_counts, "Numbers of threads for the odometry")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 64))
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_option("--estimator", options.estimator, "Estimator to time")
-      ->check(CLI::IsMember(estimatorNames()))
-      ->capture_default_str();
+void addChoices(Command command, SpeedOptions& options) {
+  command.addOption("--sizes", options.sizes, "Image sizes of the rendered campus drive, or none")
+      .delimiter(',')
+      .check(checkSize, "WIDTHxHEIGHT")
+      .typeName("LIST")
+      .captureDefault();
+  command.addOption("--features", options.features, "Target numbers of features in each left image")
+      .delimiter(',')
+      .range(50, 20000)
+      .typeName("LIST")
+      .captureDefault();
+  command.addOption("--thread-counts", options.thread_counts, "Numbers of threads for the odometry")
+      .delimiter(',')
+      .range(1, 64)
+      .typeName("LIST")
+      .captureDefault();
+  command.addOption("--estimator", options.estimator, "Estimator to time")
+      .choices(estimatorNames())
+      .captureDefault();
   command
-      .add_option("--pairs", options.pairs,
-                  "Maximum number of pairs of each drive; the first four are not counted")
-      ->check(CLI::Range(kWarmUpPairs + 2, 10000))
-      ->capture_default_str();
-  command.add_option("--repeats", options.repeats, "Repetitions of each drive")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command.add_option("--cache-dir", options.cache, "Folder for rendered worlds")
-      ->type_name("DIR")
-      ->capture_default_str();
+      .addOption("--pairs", options.pairs,
+                 "Maximum number of pairs of each drive; the first four are not counted")
+      .range(kWarmUpPairs + 2, 10000)
+      .captureDefault();
+  command.addOption("--repeats", options.repeats, "Repetitions of each drive")
+      .range(1, 1000)
+      .captureDefault();
+  command.addOption("--cache-dir", options.cache, "Folder for rendered worlds")
+      .typeName("DIR")
+      .captureDefault();
 }
 
 }  // namespace
 
-void addSpeedBenchmark(CLI::App& benchmark) {
-  CLI::App* command =
-      benchmark.add_subcommand("speed", "Measure the time of a pair and of its stages, relative to OpenCV");
+void addSpeedBenchmark(Command benchmark) {
+  const Command command =
+      benchmark.addSubcommand("speed", "Measure the time of a pair and of its stages, relative to OpenCV");
   const auto options = std::make_shared<SpeedOptions>();
-  addBenchmarkOptions(*command, options->common);
-  addChoices(*command, *options);
-  command->footer(
+  addBenchmarkOptions(command, options->common);
+  addChoices(command, *options);
+  command.footer(
       "A campus drive is rendered once in each size, which takes some minutes. These drives and the real "
       "sequences are\n"
       "read into memory and run through the daemon's stages from the raw images to the pose. Sequences with "
@@ -119,7 +118,7 @@ void addSpeedBenchmark(CLI::App& benchmark) {
       "  cartvo benchmark speed --sizes 680x420 --features 1000 --data none\n"
       "  cartvo benchmark speed --sizes none --data ../shared/data --pairs 60 --repeats 5\n"
       "  cartvo benchmark speed --format markdown --output speed.md");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo benchmark speed`.
-void addSpeedBenchmark(CLI::App& benchmark);
+void addSpeedBenchmark(Command benchmark);
 
 }  // namespace cartvo

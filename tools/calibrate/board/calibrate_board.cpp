@@ -6,11 +6,11 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/board/board_spec.hpp"
 #include "calib/board/marker_dictionary.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/board/board_print.hpp"
 #include "tools/calibrate/board/board_sheet.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -52,28 +52,27 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addCalibrateBoard(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand("board", "Write a calibration board to print, true to scale");
+void addCalibrateBoard(Command calibrate) {
+  const Command command =
+      calibrate.addSubcommand("board", "Write a calibration board to print, true to scale");
   const auto options = std::make_shared<Options>();
   command
-      ->add_option(
+      .addOption(
           "--board", options->board,
           "chessboard:COLUMNSxROWS:SQUARE (inner corners), charuco:COLUMNSxROWS:SQUARE:MARKER[:BITSxBITS]\n"
           "(squares) or aprilgrid:COLUMNSxROWS:TAG:SPACING (tags); lengths in m, spacing in tags")
-      ->required()
-      ->type_name("SPEC");
-  command->add_option("--output", options->output, "A .pdf, .svg or .png file")
-      ->required()
-      ->type_name("FILE");
+      .required()
+      .typeName("SPEC");
+  command.addOption("--output", options->output, "A .pdf, .svg or .png file").required().typeName("FILE");
   command
-      ->add_option("--paper", options->paper,
-                   "A4, A3, A2, A1, A0 or WIDTHxHEIGHT in mm; auto: the smallest that fits")
-      ->capture_default_str();
-  command->add_option("--dpi", options->dots_per_inch, "Pixels per inch of a .png")
-      ->check(CLI::Range(20.0, 1200.0))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print what was written as JSON");
-  command->footer(
+      .addOption("--paper", options->paper,
+                 "A4, A3, A2, A1, A0 or WIDTHxHEIGHT in mm; auto: the smallest that fits")
+      .captureDefault();
+  command.addOption("--dpi", options->dots_per_inch, "Pixels per inch of a .png")
+      .range(20.0, 1200.0)
+      .captureDefault();
+  command.addFlag("--json", options->json, "Print what was written as JSON");
+  command.footer(
       "The markers of a ChArUco board are those of OpenCV's smallest dictionary with enough of them: "
       "DICT_4X4_50 "
       "for up to\n"
@@ -82,7 +81,7 @@ void addCalibrateBoard(CLI::App& calibrate) {
       "  cartvo calibrate board --board charuco:11x8:0.03:0.022 --output board.pdf --paper A3\n"
       "  cartvo calibrate board --board aprilgrid:6x6:0.088:0.3 --output board.pdf    Kalibr's default, "
       "A0");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

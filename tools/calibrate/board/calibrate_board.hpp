@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate board`.
-void addCalibrateBoard(CLI::App& calibrate);
+void addCalibrateBoard(Command calibrate);
 
 }  // namespace cartvo

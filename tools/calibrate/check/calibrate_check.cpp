@@ -11,12 +11,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "calib/format/rig_formats.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
 #include "capture/dataset/image_files.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/check/row_check.hpp"
 #include "tools/calibrate/source_pairs.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -110,38 +109,38 @@ void run(const Options& options) {
       options.json ? jsonText(calibrate::rowCheckJson(checks, rectification, options.largest_rms))
                    : calibrate::rowCheckText(checks, rectification, options.largest_rms);
   std::fputs(report.c_str(), stdout);
-  if (!passes) throw CLI::RuntimeError(EXIT_FAILURE);
+  if (!passes) throw ExitCode(EXIT_FAILURE);
 }
 
 }  // namespace
 
-void addCalibrateCheck(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand("check", "Test a rig file on pictures");
+void addCalibrateCheck(Command calibrate) {
+  const Command command = calibrate.addSubcommand("check", "Test a rig file on pictures");
   const auto options = std::make_shared<Options>();
-  command->add_option("RIG", options->rig, "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
-      ->required();
+  command.addOption("RIG", options->rig, "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
+      .required();
   command
-      ->add_option("SOURCE", options->source,
-                   "A recording, a folder in KITTI's or EuRoC's layout, or the left picture")
-      ->required();
-  command->add_option("RIGHT", options->right, "The right picture");
-  command->add_option("--pairs", options->pairs, "Number of pairs to test, spread over SOURCE")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+      .addOption("SOURCE", options->source,
+                 "A recording, a folder in KITTI's or EuRoC's layout, or the left picture")
+      .required();
+  command.addOption("RIGHT", options->right, "The right picture");
+  command.addOption("--pairs", options->pairs, "Number of pairs to test, spread over SOURCE")
+      .range(1, 100000)
+      .captureDefault();
   command
-      ->add_option("--largest-rms", options->largest_rms,
-                   "Largest RMS of the vertical disparity that passes, px")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Report as JSON");
-  command->footer(
+      .addOption("--largest-rms", options->largest_rms,
+                 "Largest RMS of the vertical disparity that passes, px")
+      .range(0.01, 100.0)
+      .captureDefault();
+  command.addFlag("--json", options->json, "Report as JSON");
+  command.footer(
       "The exit code is 0 if the rig passes and 1 if not. The cart must be at a standstill if the cameras "
       "are\n"
       "not synchronised.\n"
       "Examples:\n"
       "  cartvo calibrate check rig.yaml left.png right.png\n"
       "  cartvo calibrate check camchain.yaml euroc/V1_01_easy --pairs 50");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate check`.
-void addCalibrateCheck(CLI::App& calibrate);
+void addCalibrateCheck(Command calibrate);
 
 }  // namespace cartvo

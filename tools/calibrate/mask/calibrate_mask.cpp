@@ -10,12 +10,12 @@
 #include <stdexcept>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/format/mask_key.hpp"
 #include "calib/format/rig_file.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/image_size.hpp"
 #include "tools/calibrate/camera_files.hpp"
 #include "tools/calibrate/mask/static_parts.hpp"
@@ -124,23 +124,23 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addCalibrateMask(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand(
+void addCalibrateMask(Command calibrate) {
+  const Command command = calibrate.addSubcommand(
       "mask", "Parts of the pictures that never move, such as the roof edge, from a drive");
   const auto options = std::make_shared<Options>();
   addRigUpdateOptions(
-      *command, *options,
+      command, *options,
       "A drive: a recording (cartvod --record), a folder in KITTI's or EuRoC's layout, or the left camera's "
       "video",
       "Rig file to write the masks to; the rest of an existing one is kept. The masks are PNG files beside "
       "it. Without it they are only described");
-  command->footer(
+  command.footer(
       "Record a drive of a minute or more, with curves, by daylight. Landmarks in a mask are never used.\n"
       "The masks can be painted over: black is not used.\n"
       "Examples:\n"
       "  cartvo calibrate mask recordings/first --rig rig.yaml --output rig.yaml\n"
       "  cartvo calibrate mask left.mp4 right.mp4");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

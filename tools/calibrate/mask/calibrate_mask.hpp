@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate mask`.
-void addCalibrateMask(CLI::App& calibrate);
+void addCalibrateMask(Command calibrate);
 
 }  // namespace cartvo

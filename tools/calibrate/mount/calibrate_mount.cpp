@@ -7,11 +7,11 @@
 #include <string>
 #include <tuple>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"
 #include "capture/stereo_source.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/units.hpp"
 #include "daemon/pipeline/source_rig.hpp"
 #include "tools/calibrate/mount/mount.hpp"
@@ -111,36 +111,35 @@ void run(const Options& options, bool gives_forward, bool gives_left) {
 
 }  // namespace
 
-void addCalibrateMount(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand(
+void addCalibrateMount(Command calibrate) {
+  const Command command = calibrate.addSubcommand(
       "mount", "Height, pitch, roll and yaw of the cameras on the cart, from a drive");
   const auto options = std::make_shared<Options>();
   command
-      ->add_option("SOURCE", options->source,
-                   "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
-      ->required();
-  command->add_option("--output", options->output, "Rig file to write; may be the input file")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--rig", options->rig, "Rig file (default: the source's)")->type_name("FILE");
-  CLI::Option* forward =
+      .addOption("SOURCE", options->source,
+                 "A recording (cartvod --record), or a folder in KITTI's or EuRoC's layout")
+      .required();
+  command.addOption("--output", options->output, "Rig file to write; may be the input file")
+      .required()
+      .typeName("FILE");
+  command.addOption("--rig", options->rig, "Rig file (default: the source's)").typeName("FILE");
+  const Option forward =
       command
-          ->add_option("--forward", options->forward,
-                       "Distance of the left camera ahead of the rear axle, m (default: from the rig file)")
-          ->check(CLI::Range(-10.0, 10.0));
-  CLI::Option* left =
+          .addOption("--forward", options->forward,
+                     "Distance of the left camera ahead of the rear axle, m (default: from the rig file)")
+          .range(-10.0, 10.0);
+  const Option left =
       command
-          ->add_option(
-              "--left", options->left,
-              "Distance of the left camera left of the cart's middle, m (default: from the rig file)")
-          ->check(CLI::Range(-10.0, 10.0));
-  command->add_flag("--json", options->json, "Report as JSON");
-  command->footer(
+          .addOption("--left", options->left,
+                     "Distance of the left camera left of the cart's middle, m (default: from the rig file)")
+          .range(-10.0, 10.0);
+  command.addFlag("--json", options->json, "Report as JSON");
+  command.footer(
       "Drive straight on level ground for about twenty seconds, faster than walking. If the cameras are not\n"
       "synchronised, begin with a standstill of a few seconds.\n"
       "Example:\n"
       "  cartvo calibrate mount recordings/first --output rig.yaml --forward 1.55 --left 0.06");
-  command->callback([options, forward, left] { run(*options, forward->count() > 0, left->count() > 0); });
+  command.callback([options, forward, left] { run(*options, forward.count() > 0, left.count() > 0); });
 }
 
 }  // namespace cartvo

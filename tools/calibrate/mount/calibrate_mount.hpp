@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate mount`.
-void addCalibrateMount(CLI::App& calibrate);
+void addCalibrateMount(Command calibrate);
 
 }  // namespace cartvo

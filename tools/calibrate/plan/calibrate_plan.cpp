@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "calib/format/rig_file.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -65,7 +64,7 @@ std::vector<StereoDesign> designsOf(const Options& options) {
     }
   }
   if (designs.empty()) {
-    throw CLI::RequiredError("one of --hfov, --focal-mm with --sensor-width, --focal-px and --rig");
+    throw CommandLineError("one of --hfov, --focal-mm with --sensor-width, --focal-px and --rig is required");
   }
   return designs;
 }
@@ -89,76 +88,75 @@ void run(Options& options) {
   }
 }
 
-void addDesignOptions(CLI::App& command, Options& options) {
-  command.add_option("--baseline", options.baselines, "Distances of the cameras, m")
-      ->delimiter(',')
-      ->check(CLI::Range(0.005, 10.0))
-      ->capture_default_str();
-  command.add_option("--width", options.widths, "Widths of the images, px")
-      ->delimiter(',')
-      ->check(CLI::Range(16.0, 8192.0))
-      ->capture_default_str();
-  command.add_option("--hfov", options.views_deg, "Horizontal angles of view, deg")
-      ->delimiter(',')
-      ->check(CLI::Range(1.0, 160.0));
-  command.add_option("--focal-px", options.focal_lengths_px, "Focal lengths, px")
-      ->delimiter(',')
-      ->check(CLI::Range(1.0, 1e5));
-  CLI::Option* sensor = command
-                            .add_option("--sensor-width", options.sensor_width_mm,
-                                        "Width of the sensor area that the image covers, mm")
-                            ->check(CLI::Range(0.1, 100.0));
-  command.add_option("--focal-mm", options.focal_lengths_mm, "Focal lengths of lenses, mm")
-      ->delimiter(',')
-      ->check(CLI::Range(0.1, 1000.0))
-      ->needs(sensor);
-  command.add_option("--rig", options.rigs, "Rig files to compare with, as rectified")->type_name("FILE");
+void addDesignOptions(Command command, Options& options) {
+  command.addOption("--baseline", options.baselines, "Distances of the cameras, m")
+      .delimiter(',')
+      .range(0.005, 10.0)
+      .captureDefault();
+  command.addOption("--width", options.widths, "Widths of the images, px")
+      .delimiter(',')
+      .range(16.0, 8192.0)
+      .captureDefault();
+  command.addOption("--hfov", options.views_deg, "Horizontal angles of view, deg")
+      .delimiter(',')
+      .range(1.0, 160.0);
+  command.addOption("--focal-px", options.focal_lengths_px, "Focal lengths, px")
+      .delimiter(',')
+      .range(1.0, 1e5);
+  const Option sensor = command
+                            .addOption("--sensor-width", options.sensor_width_mm,
+                                       "Width of the sensor area that the image covers, mm")
+                            .range(0.1, 100.0);
+  command.addOption("--focal-mm", options.focal_lengths_mm, "Focal lengths of lenses, mm")
+      .delimiter(',')
+      .range(0.1, 1000.0)
+      .needs(sensor);
+  command.addOption("--rig", options.rigs, "Rig files to compare with, as rectified").typeName("FILE");
 }
 
-void addQuestionOptions(CLI::App& command, Options& options) {
+void addQuestionOptions(Command command, Options& options) {
   command
-      .add_option("--disparity-noise", options.questions.disparity_noise,
-                  "Standard deviation of a disparity, px (default: cartvod's)")
-      ->check(CLI::Range(0.001, 10.0))
-      ->capture_default_str();
+      .addOption("--disparity-noise", options.questions.disparity_noise,
+                 "Standard deviation of a disparity, px (default: cartvod's)")
+      .range(0.001, 10.0)
+      .captureDefault();
   command
-      .add_option("--largest-disparity", options.questions.largest_disparity,
-                  "Largest disparity that is matched, px (default: cartvod's, half of the image's width)")
-      ->check(CLI::Range(1.0, 8192.0));
-  command.add_option("--ranges", options.questions.ranges, "Ranges at which to report error and overlap, m")
-      ->delimiter(',')
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
-  command
-      .add_option("--good", options.relative_error_percent, "Largest error of a good depth, % of the depth")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
+      .addOption("--largest-disparity", options.questions.largest_disparity,
+                 "Largest disparity that is matched, px (default: cartvod's, half of the image's width)")
+      .range(1.0, 8192.0);
+  command.addOption("--ranges", options.questions.ranges, "Ranges at which to report error and overlap, m")
+      .delimiter(',')
+      .range(0.1, 1000.0)
+      .captureDefault();
+  command.addOption("--good", options.relative_error_percent, "Largest error of a good depth, % of the depth")
+      .range(0.01, 100.0)
+      .captureDefault();
 }
 
-void addReportOptions(CLI::App& command, Options& options) {
-  CLI::Option* format = command.add_option("--format", options.format, "text or markdown")
-                            ->check(CLI::IsMember({"text", "markdown"}))
-                            ->type_name("NAME")
-                            ->capture_default_str();
-  command.add_flag("--json", options.json, "Report as JSON, with all numbers")->excludes(format);
-  command.add_option("--output", options.output, "Write the report into this file")->type_name("FILE");
+void addReportOptions(Command command, Options& options) {
+  const Option format = command.addOption("--format", options.format, "text or markdown")
+                            .choices({"text", "markdown"})
+                            .typeName("NAME")
+                            .captureDefault();
+  command.addFlag("--json", options.json, "Report as JSON, with all numbers").excludes(format);
+  command.addOption("--output", options.output, "Write the report into this file").typeName("FILE");
   addPlotOption(command, options.plot, "error and overlap over the range");
 }
 
 }  // namespace
 
-void addCalibratePlan(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand(
+void addCalibratePlan(Command calibrate) {
+  const Command command = calibrate.addSubcommand(
       "plan", "Compare depth error and overlap for baselines, lenses and resolutions");
   const auto options = std::make_shared<Options>();
-  addDesignOptions(*command, *options);
-  addQuestionOptions(*command, *options);
-  addReportOptions(*command, *options);
-  command->footer(
+  addDesignOptions(command, *options);
+  addQuestionOptions(command, *options);
+  addReportOptions(command, *options);
+  command.footer(
       "The table has a row for each combination of the lists. Examples:\n"
       "  cartvo calibrate plan --baseline 0.115,0.3,0.5 --hfov 70.6\n"
       "  cartvo calibrate plan --focal-mm 2.8,4,6 --sensor-width 5.4 --width 680,1280 --plot plan.svg");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate plan`.
-void addCalibratePlan(CLI::App& calibrate);
+void addCalibratePlan(Command calibrate);
 
 }  // namespace cartvo

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "tools/calibrate/readout/mains_bands.hpp"
 #include "tools/calibrate/readout/profile_source.hpp"
 #include "tools/calibrate/rig_update.hpp"
@@ -100,40 +100,40 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addCalibrateReadout(CLI::App& calibrate) {
-  CLI::App* command = calibrate.add_subcommand(
+void addCalibrateReadout(Command calibrate) {
+  const Command command = calibrate.addSubcommand(
       "readout", "Readout of the cameras' rolling shutters, from the bands of a lamp on the mains");
   const auto options = std::make_shared<Options>();
   addRigUpdateOptions(
-      *command, *options,
+      command, *options,
       "'live': the configured cameras; a recording (cartvod --record), a folder in KITTI's or EuRoC's "
       "layout, or a video",
       "Rig file to write the readouts to; the rest of an existing one is kept. Without it they are only "
       "printed");
-  command->add_option("--camera", options->camera, "Camera to measure; that of a single video")
-      ->check(CLI::IsMember({"both", "left", "right"}))
-      ->type_name("CAMERA")
-      ->capture_default_str();
-  command->add_option("--mains", options->mains, "Frequency of the mains, Hz: 50 or 60")
-      ->check(CLI::IsMember({50.0, 60.0}))
-      ->type_name("HZ")
-      ->capture_default_str();
+  command.addOption("--camera", options->camera, "Camera to measure; that of a single video")
+      .choices({"both", "left", "right"})
+      .typeName("CAMERA")
+      .captureDefault();
+  command.addOption("--mains", options->mains, "Frequency of the mains, Hz: 50 or 60")
+      .choices({50.0, 60.0})
+      .typeName("HZ")
+      .captureDefault();
   command
-      ->add_option("--config", options->configuration,
-                   "With 'live': cartvod's configuration file, which names the cameras")
-      ->type_name("FILE")
-      ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "With 'live': how long to read the cameras")
-      ->check(CLI::Range(3.0, 600.0))
-      ->capture_default_str();
-  command->footer(
+      .addOption("--config", options->configuration,
+                 "With 'live': cartvod's configuration file, which names the cameras")
+      .typeName("FILE")
+      .captureDefault();
+  command.addOption("--seconds", options->seconds, "With 'live': how long to read the cameras")
+      .range(3.0, 600.0)
+      .captureDefault();
+  command.footer(
       "Let the cameras stand before a lamp on the mains, or a wall lit by it, without daylight, with a "
       "short\n"
       "exposure (1/250 s or shorter) at 18 frames a second. Stop cartvod before 'live'.\n"
       "Examples:\n"
       "  cartvo calibrate readout live --output rig.yaml\n"
       "  cartvo calibrate readout left.mp4 --camera left --mains 60 --output rig.yaml");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `cartvo calibrate readout`.
-void addCalibrateReadout(CLI::App& calibrate);
+void addCalibrateReadout(Command calibrate);
 
 }  // namespace cartvo

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <net/if.h>
 
 #include "capture/rtsp/rtsp_url.hpp"
 #include "common/atomic_file.hpp"
+#include "common/command_line/parser.hpp"
 #include "common/input_file.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/camera/network/camera_ports.hpp"
@@ -68,9 +68,9 @@ void findCameras(const Options& options, PortWishes& wishes) {
 std::vector<CameraPort> portsOf(const Options& options) {
   const bool has_two = !options.left_interface.empty() && !options.right_interface.empty();
   if (options.interface.empty() && !has_two)
-    throw CLI::ValidationError("--interface",
-                               "name the ports: --left-interface and --right-interface, or --interface for "
-                               "both cameras at one port; see: ip -brief link");
+    throw CommandLineError("--interface",
+                           "name the ports: --left-interface and --right-interface, or --interface for "
+                           "both cameras at one port; see: ip -brief link");
   PortWishes wishes{options.interface, options.left_interface, options.right_interface, 0, 0, options.dhcp};
   findCameras(options, wishes);
   return planPorts(wishes);
@@ -134,10 +134,9 @@ void checkHost(const Options& options, const std::vector<CameraPort>& ports) {
 void run(const Options& options) {
   // A folder of networkd itself would get files that networkd does not look for.
   if (options.output_dir.filename() == "network" || options.output_dir.parent_path().filename() == "network")
-    throw CLI::ValidationError(
-        "--output-dir",
-        "expected /etc or a folder like it: its folders systemd/network, chrony/conf.d "
-        "and sysctl.d get the files");
+    throw CommandLineError("--output-dir",
+                           "expected /etc or a folder like it: its folders systemd/network, chrony/conf.d "
+                           "and sysctl.d get the files");
   const std::vector<CameraPort> ports = portsOf(options);
   checkHost(options, ports);
   if (options.output_dir.empty()) {
@@ -152,45 +151,44 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addNetworkAction(CLI::App& camera) {
-  CLI::App* action =
-      camera.add_subcommand("network", "Write the files of this computer's network for the cameras");
+void addNetworkAction(Command camera) {
+  const Command action =
+      camera.addSubcommand("network", "Write the files of this computer's network for the cameras");
   const auto options = std::make_shared<Options>();
-  CLI::Option* left = action->add_option("--left-interface", options->left_interface,
-                                         "Port of the left camera, as ip -brief link prints it");
-  CLI::Option* right =
-      action->add_option("--right-interface", options->right_interface, "Port of the right camera");
-  CLI::Option* both = action->add_option("--interface", options->interface,
-                                         "Port of both cameras, with a switch, instead of the two above");
-  for (CLI::Option* one : {left, right, both})
-    one->type_name("NAME");
-  both->excludes(left)->excludes(right);
-  left->needs(right);
-  right->needs(left);
+  const Option left = action.addOption("--left-interface", options->left_interface,
+                                       "Port of the left camera, as ip -brief link prints it");
+  const Option right =
+      action.addOption("--right-interface", options->right_interface, "Port of the right camera");
+  const Option both = action.addOption("--interface", options->interface,
+                                       "Port of both cameras, with a switch, instead of the two above");
+  for (const Option one : {left, right, both})
+    one.typeName("NAME");
+  both.excludes(left).excludes(right);
+  left.needs(right);
+  right.needs(left);
   action
-      ->add_option("--left-camera", options->left_camera,
-                   "The left camera's IPv4 address (default: that of its URL in the configuration)")
-      ->type_name("ADDRESS");
-  action->add_option("--right-camera", options->right_camera, "As --left-camera")->type_name("ADDRESS");
-  action->add_flag("--dhcp", options->dhcp, "Each port gives its camera this address, by DHCP");
+      .addOption("--left-camera", options->left_camera,
+                 "The left camera's IPv4 address (default: that of its URL in the configuration)")
+      .typeName("ADDRESS");
+  action.addOption("--right-camera", options->right_camera, "As --left-camera").typeName("ADDRESS");
+  action.addFlag("--dhcp", options->dhcp, "Each port gives its camera this address, by DHCP");
   action
-      ->add_option("--config", options->configuration,
-                   "cartvod's configuration file, which names the cameras")
-      ->capture_default_str()
-      ->type_name("FILE");
+      .addOption("--config", options->configuration, "cartvod's configuration file, which names the cameras")
+      .captureDefault()
+      .typeName("FILE");
   action
-      ->add_option(
+      .addOption(
           "--output-dir", options->output_dir,
           "Write the files below this folder instead of printing them: /etc, or one that stands for it")
-      ->type_name("FOLDER");
-  action->add_flag("--force", options->force, "Replace files that exist, and accept a network that overlaps");
-  action->footer(
+      .typeName("FOLDER");
+  action.addFlag("--force", options->force, "Replace files that exist, and accept a network that overlaps");
+  action.footer(
       "The port's address is the first free one of its camera's network 255.255.255.0. Nothing is activated: "
       "the\n"
       "command says how. Exit codes: 0 done, 1 failure, 2 wrong command line.\n"
       "Example: sudo cartvo camera network --left-interface enp2s0 --right-interface enp3s0 --dhcp "
       "--output-dir /etc");
-  action->callback([options] { run(*options); });
+  action.callback([options] { run(*options); });
 }
 
 }  // namespace cartvo

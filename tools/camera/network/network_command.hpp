@@ -1,10 +1,10 @@
 #pragma once
 
-#include "common/command_line/cli11_forward.hpp"
-
 namespace cartvo {
 
+class Command;
+
 /// Adds `network` to `cartvo camera`.
-void addNetworkAction(CLI::App& camera);
+void addNetworkAction(Command camera);
 
 }  // namespace cartvo

@@ -114,7 +114,7 @@ std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draf
 /// exchanged, and does not end with the uncertainty of the readouts.
 void VisualTrack::keepReadoutError(Draft& draft, Vector6d& error) const {
   Vector6d& kept = draft.estimates.readout_error;
-  kept *= 1.0 - 1.0 / settings_.bundle.frames;
+  kept *= std::exp(-1.0 / settings_.uncertainty.drift_correlation_pairs);
   error = (error.array().abs() < kept.array().abs()).select(kept, error);
   kept = error;
 }

@@ -44,7 +44,7 @@ class Descriptor {
   int number_;
 };
 
-/// What a path names once its links are followed.
+/// The file that a path names once its links are followed.
 struct Target {
   fs::path path;
   int descriptor = -1;                ///< of this process, for paths such as /dev/stdout; -1: none

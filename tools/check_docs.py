@@ -87,7 +87,7 @@ def problems_of_picture(picture, shown):
 
 
 def dated_references(text):
-    """What only makes sense beside this project's history."""
+    """References that only make sense beside this project's history."""
     for match in re.findall(r"\bissues? #?\d+", text, re.I):
         yield f"names '{match}'"
     for match in re.findall(r"\b[0-9a-f]{7,40}\b", text):
@@ -163,7 +163,7 @@ class Program:
         return "\nPositionals:\n" in self.help(*chain)
 
     def misuse(self, arguments):
-        """What is wrong with a command line, placeholders (COMMAND, ...) aside."""
+        """Mistakes in a command line, placeholders (COMMAND, ...) aside."""
         chain = ()
         while arguments and arguments[0] in self.subcommands(*chain):
             chain += (arguments[0],)

@@ -38,7 +38,7 @@ LAYERS = {
     "calib": ["calib/model", "calib/rectification", "calib/board", "calib/format", "calib/solver"],
     "daemon": ["daemon/pipeline", "daemon/publish", "daemon/diagnostics", "daemon/page", "daemon/service"],
 }
-# What each top folder may include beside itself.
+# The folders that each top folder may include beside itself.
 BELOW = {
     "common": set(),
     "vo_core": {"common"},

@@ -1,7 +1,7 @@
 """Names that C++ sources of this project define, and sources that can be compiled as one."""
 import re
 
-# What a source defines begins a line, because namespaces are not indented.
+# A definition in a source begins a line, because namespaces are not indented.
 TYPE = re.compile(r"^(?:template <.*> )?(?:struct|class|enum(?: class)?) (\w+)", re.MULTILINE)
 FUNCTION_OR_VARIABLE = re.compile(
     r"^(?:\[\[\w+\]\] )?(?=[A-Za-z])(?!namespace|using ::|struct|class|enum|TEST|INSTANT)"

@@ -194,7 +194,7 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
   T = withoutShift(T, *codec_shift_);
 }
 
-/// What the running track has learnt, with the rig calibration of the newest track, even if that track
+/// Estimates of the running track, with the rig calibration of the newest track, even if that track
 /// fails: a search for the pitch is not repeated soon.
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
   if (!track_)

@@ -6,8 +6,8 @@ namespace cartvo::vo {
 /// direction in normalised coordinates.
 struct SelfCalibrationSettings {
   // Standard deviations of what is not yet measured.
-  /// What a calibration leaves of a rotation, of each lens coefficient and of the baseline's direction, and
-  /// what a bump adds to a rotation.
+  /// Error of a rotation, of each lens coefficient and of the baseline's direction after a calibration, and
+  /// error that a bump adds to a rotation.
   double calibration_stddev = 3e-3;
   double skew_stddev = 1e-2;       ///< row pattern x y of the lenses: KITTI's rectified images have 9e-3
   double delay_stddev = 1e-2;      ///< s, of timestamps

@@ -68,7 +68,7 @@ struct Rig {
 /// origin is 0, as in a rig that has no T_body_camera. Velocities are then those of the left camera.
 bool hasMount(const Rig& rig);
 
-/// What to say of a rig without a mount.
+/// Warning about a rig without a mount.
 inline constexpr const char* kNoMountText =
     "how the cameras sit on the cart is not known (T_body_camera is missing or has height 0): velocities are "
     "the left camera's; run 'cartvo calibrate mount'";

@@ -26,8 +26,8 @@ constexpr double maxCentre(int length) {
 /// 10 m (a larger one is a calibration in millimetres).
 void validateRig(const Rig& rig);
 
-/// What of a valid rig cannot be the geometry of a stereo pair on a vehicle unless the rig is an unusual one,
-/// with the numbers and questions what they may mean instead; empty if nothing. For example a principal point
+/// Text about values of a valid rig that only an unusual stereo pair on a vehicle has, with the numbers and
+/// questions what they may mean instead; empty if there are none. For example a principal point
 /// outside the image's middle, focal lengths that differ by more than a quarter, a baseline above 1.5 m,
 /// cameras turned against each other by more than 15 degrees.
 std::string unusualGeometry(const Rig& rig);

@@ -58,7 +58,7 @@ struct Calibration {
 /// A distance in an image as text, "0.25 px"; infinite ones (nothing to compare) become "not seen".
 std::string pixelText(double pixels);
 
-/// What a calibration that passes leaves uncertain, one sentence each, with what to add: too few views, parts
+/// Reservations about a calibration that passes, one sentence each, with what to add: too few views, parts
 /// of the images without corners, and two halves of the views that disagree about pixels or depths. Empty if
 /// nothing.
 std::vector<std::string> reservationsOf(const Calibration& calibration);

@@ -10,7 +10,7 @@
 
 namespace cartvo::capture {
 
-/// What a picture means for decoding to begin, or to recover.
+/// Whether decoding can begin with a picture, and whether it has recovered there.
 struct PictureRefresh {
   bool is_access_point = false;  ///< decoding can begin with this picture
   bool is_complete = false;      ///< nothing wrong before the last access point affects this picture

@@ -6,7 +6,7 @@
 
 namespace cartvo::capture {
 
-/// What is used of an H.264 sequence parameter set (ITU-T H.264 7.3.2.1.1).
+/// The used values of an H.264 sequence parameter set (ITU-T H.264 7.3.2.1.1).
 struct H264SequenceParameters {
   int frame_num_bits = 0;  ///< log2_max_frame_num
   bool separate_colour_planes = false;

@@ -54,7 +54,7 @@ bool isCutOff(std::string_view bytes) {
                            "one of the formats " + kImageFormats + "; copy it again");
 }
 
-/// What a folder without images contains, for an error message.
+/// Contents of a folder without images, for an error message.
 std::string otherContents(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();

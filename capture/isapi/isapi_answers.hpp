@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-// What Hikvision cameras answer beside documents: the state of a login and the result of a request.
+// Answers of Hikvision cameras beside documents: the state of a login and the result of a request.
 
 namespace cartvo::capture {
 

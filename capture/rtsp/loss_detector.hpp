@@ -12,7 +12,7 @@
 
 namespace cartvo::capture {
 
-/// What a receiver knows about a picture.
+/// Status of a received picture, and whether decoding can begin with it.
 struct PictureInspection {
   FrameStatus status = FrameStatus::damaged;
   bool is_access_point = false;  ///< as PictureRefresh's

@@ -31,7 +31,7 @@ struct SenderReport {
   std::uint32_t ntp_middle = 0;  ///< middle 32 bits of the NTP time stamp, for the receiver's report
 };
 
-/// What matters in a compound RTCP packet.
+/// The used parts of a compound RTCP packet.
 struct RtcpContent {
   std::optional<SenderReport> report;
   std::optional<std::uint32_t> ended_source;  ///< SSRC that left the session (BYE)

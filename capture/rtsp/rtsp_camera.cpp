@@ -63,7 +63,7 @@ class PictureStream {
     timestamper_.connect(side_);
   }
 
-  /// What has come since the last frame.
+  /// Kind of the data that have come since the last frame.
   enum class Progress : std::uint8_t { nothing, no_access_point, undecodable };
   Progress progress() const {
     if (!has_units_) return Progress::nothing;

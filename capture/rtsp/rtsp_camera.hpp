@@ -20,7 +20,7 @@ namespace cartvo::capture {
 /// Transport of the RTP packets.
 enum class RtspTransport : std::uint8_t { tcp, udp };
 
-/// What a camera says about a login that it refused.
+/// Statement of a camera about a login that it refused.
 struct RefusedLogin {
   std::optional<std::chrono::milliseconds>
       locked_for;    ///< until it accepts a login again; nothing: not known

@@ -82,7 +82,7 @@ std::string choicesOf(const std::string& type) {
   return choices;
 }
 
-/// What completes a value of this type: files, folders, words (of a choice) or other (nothing does).
+/// Kind of the completions of a value of this type: files, folders, words (of a choice) or other (none).
 std::string kindOf(const std::string& type) {
   if (!choicesOf(type).empty()) return "words";
   const std::string name = type.substr(0, type.find(':'));

@@ -18,7 +18,7 @@ class UnfinishedFolder {
   UnfinishedFolder(const UnfinishedFolder&) = delete;
   UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
 
-  /// What is in the folder stays; for its end, also after it was renamed.
+  /// Keeps the content of the folder. Called at the end, also after the folder was renamed.
   void keep() { is_kept_ = true; }
   /// Removes what the destructor would remove.
   void remove();

@@ -12,7 +12,7 @@
 
 namespace cartvo {
 
-/// What a client of an HTTP server may take.
+/// Limits of the time and the bytes that a client of an HTTP server may take.
 struct HttpLimits {
   std::chrono::milliseconds request_time{2000};  ///< from the connection until the request is complete
   std::chrono::milliseconds answer_time{5000};   ///< after that, until the answer is taken

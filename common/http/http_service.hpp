@@ -18,7 +18,7 @@
 #include "common/http/listen_address.hpp"
 #include "common/threads/wake_event.hpp"
 
-// What the small HTTP servers share. Library cartvo_http. Include it after Eigen: <resolv.h>, which httplib
+// Code that small HTTP servers share. Library cartvo_http. Include it after Eigen: <resolv.h>, which httplib
 // includes, defines the macro _res.
 
 namespace cartvo {

@@ -10,7 +10,7 @@
 
 #include "daemon/pipeline/pair_processor.hpp"
 
-// What /metrics and /healthz answer, without the server.
+// Answers of /metrics and /healthz, without the server.
 
 namespace cartvo::daemon {
 
@@ -38,7 +38,7 @@ struct PairTotals {
 /// camera cartvo_camera_, with the label camera), and the totals. Contains no texts beside the version.
 std::string metricsText(const health_t& health, const PairTotals& totals);
 
-/// What decides whether the daemon is healthy.
+/// The values that decide whether the daemon is healthy.
 struct DaemonState {
   using Clock = std::chrono::steady_clock;
   Clock::time_point last_message;  ///< when an odometry message was published; at first the start

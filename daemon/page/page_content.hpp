@@ -6,12 +6,12 @@
 
 namespace cartvo::daemon {
 
-/// What the status page shows. Called by the server's threads.
+/// Content of the status page. Called by the server's threads.
 class PageContent {
  public:
   virtual ~PageContent() = default;
 
-  /// What does not change while the program runs, as JSON.
+  /// Properties that do not change while the program runs, as JSON.
   virtual std::string about() = 0;
   /// The newest frame (frameBytes) unless its number is `seen`; nothing: no newer one.
   virtual std::optional<std::string> newestFrame(std::uint64_t seen) = 0;

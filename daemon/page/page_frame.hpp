@@ -6,7 +6,7 @@
 
 #include "daemon/pipeline/pair_view.hpp"
 
-// What the page receives for one instant: numbers, landmarks and both pictures, which belong together.
+// Data that the page receives for one instant: numbers, landmarks and both pictures, which belong together.
 
 namespace cartvo::daemon {
 

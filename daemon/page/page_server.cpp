@@ -126,7 +126,7 @@ void PageServer::Implementation::routeData(const char* path,
   });
 }
 
-/// What the page needs before it may read data.
+/// JSON that the page needs before it may read data.
 std::string PageServer::Implementation::about(const Request& request) const {
   if (!mayRead(request)) return R"({"login":"needed"})";
   const char* may_control = "no";

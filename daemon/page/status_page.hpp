@@ -13,7 +13,7 @@
 
 namespace cartvo::daemon {
 
-/// What the page's recording buttons do. May be empty. Called by the page's threads.
+/// Functions of the page's recording buttons. May be empty. Called by the page's threads.
 struct RecordingControl {
   std::function<std::string()> start;  ///< returns why it was not started; empty: it was
   std::function<std::string()> stop;

@@ -17,8 +17,8 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-/// What the thread receives. Owned by both sides: the thread may outlive the daemon for the seconds of LCM's
-/// test.
+/// State of the receiving thread. Owned by both sides: the thread may outlive the daemon for the seconds of
+/// LCM's test.
 struct ForeignOdometry::Receiver {
   explicit Receiver(std::int64_t source_id) : own_source_id(source_id) {}
   void run(const std::string& url);

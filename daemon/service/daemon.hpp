@@ -31,8 +31,8 @@ class Daemon {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// What works but is most likely not meant: a rig that does not say how the cameras sit on the cart. Empty:
-/// nothing. Throws as checkConfiguration.
+/// Warning about a configuration that works but is most likely not meant: a rig that does not say how the
+/// cameras sit on the cart. Empty: nothing. Throws as checkConfiguration.
 std::string configurationWarning(const Configuration& configuration);
 
 /// Checks what can be checked without cameras and LCM: the rig and its rectification, the odometry settings,

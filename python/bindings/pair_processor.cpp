@@ -136,7 +136,7 @@ void bindPairProcessor(py::module_& module) {
 
   py::class_<Processor>(
       module, "PairProcessor",
-      "What cartvod does with a pair of raw images: rectification, odometry, motion of the body.")
+      "Processes pairs of raw images as cartvod does: rectification, odometry, motion of the body.")
       .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool, const daemon::AlertLimits&>(),
            py::arg("rig"), py::arg("settings") = vo::OdometrySettings{}, py::kw_only(),
            py::arg("unknown_readout") = false, py::arg("alert_limits") = daemon::AlertLimits{},

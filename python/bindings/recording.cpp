@@ -50,7 +50,7 @@ class Recording {
 
   calib::Rig rig() const { return daemon::findRig(source_, path_, {}).rig; }
 
-  /// What is unusual about the source or damaged in it, as far as it was read.
+  /// Unusual properties of the source and damage in it, as far as it was read.
   std::vector<std::string> problems() const {
     std::vector<std::string> problems = source_.warnings;
     for (const capture::CameraSource* camera : {source_.left.get(), source_.right.get()}) {

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. $CARTVO_TEST_DRIVE is the folder of tests/library/make_drive.py."""
+"""Shared parts of the tests of the Python package. $CARTVO_TEST_DRIVE is the folder of tests/library/make_drive.py."""
 import os
 import pathlib
 

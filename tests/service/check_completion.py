@@ -25,7 +25,7 @@ done
 
 
 def offers(script, command_lines):
-    """What is offered for the last word of each command line, as sets of words."""
+    """The words offered for the last word of each command line, as sets."""
     lines = "".join("\t".join(word or "EMPTY" for word in words) + "\n" for words in command_lines)
     done = subprocess.run(["bash", "-c", COMPLETE, "bash", script, FOLDER_OF_FILES], input=lines, capture_output=True,
                           text=True, check=True)

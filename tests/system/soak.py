@@ -27,7 +27,7 @@ DISK_MB = 300  # of the recordings
 
 
 class Faults:
-    """What happens to one camera's connection; set by the schedule, read by the proxy's threads."""
+    """Faults of one camera's connection; set by the schedule, read by the proxy's threads."""
 
     def __init__(self):
         self.hold_until = 0.0    # nothing is passed on until then; then all of it

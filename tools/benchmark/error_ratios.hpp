@@ -8,7 +8,7 @@
 #include "tools/evaluate/consistency.hpp"
 #include "tools/evaluate/evaluation.hpp"
 
-// What the reports of errors over time offsets and over readouts have in common.
+// Common parts of the reports of errors over time offsets and over readouts.
 
 namespace cartvo::benchmark {
 

@@ -46,8 +46,8 @@ capture::IsapiSettings withoutLogin(const daemon::CameraConfiguration& camera, c
 /// Adds the addresses of this computer, as the configured cameras see it. Adds none if they cannot be listed.
 void addThisComputer(OdometryNeeds& needs, const daemon::Configuration& configuration);
 
-/// What the configuration and its rig file ask of the cameras. Without a rig file any picture size is
-/// accepted.
+/// Properties that the configuration and its rig file require of the cameras. Without a rig file any
+/// picture size is accepted.
 OdometryNeeds needsOf(const daemon::Configuration& configuration);
 
 }  // namespace cartvo

@@ -29,12 +29,12 @@ CameraChannels channelsOf(const std::string& rtsp_url);
 /// Path of a document.
 std::string pathOf(Document document, const CameraChannels& channels);
 
-/// What a camera says it is; empty where it does not say. Printable.
+/// Identity of a camera by its own statement; empty where it states none. Printable.
 struct CameraIdentity {
   std::string name, model, serial_number, mac_address, firmware, firmware_date;
 };
 
-/// What a camera is and is set to. A document that the camera does not have is missing.
+/// Identity and settings of a camera. A document that the camera does not have is missing.
 struct CameraDocuments {
   CameraIdentity identity;
   CameraChannels channels;

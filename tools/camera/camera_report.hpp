@@ -25,11 +25,11 @@ struct ReportedCamera {
 
 using ReportedPair = std::vector<ReportedCamera>;
 
-/// What the cameras are and are set to.
+/// Identity and settings of the cameras.
 std::string showText(const ReportedPair& cameras, const OdometryNeeds& needs);
 nlohmann::json showJson(const ReportedPair& cameras, const OdometryNeeds& needs);
 
-/// What of the cameras is not as odometry needs it, and why it should.
+/// Comparison of the cameras with the needs of odometry, with the reasons.
 struct CheckReport {
   ReportedPair const* cameras = nullptr;
   std::array<std::vector<Finding>, 2> findings;  ///< of left and right
@@ -49,8 +49,8 @@ nlohmann::json checkJson(const CheckReport& report);
 /// Lines "  wdr: open -> close".
 std::string planText(const ReportedPair& cameras, const ChangePlan& plan);
 
-/// What `cartvo camera apply` planned and did. `results`: nothing for a camera that was not begun. `rest`:
-/// what is left to do afterwards; nothing if the cameras were not read again.
+/// Plan and result of `cartvo camera apply`. `results`: nothing for a camera that was not begun. `rest`:
+/// the changes that are left to do; nothing if the cameras were not read again.
 struct AppliedChanges {
   const ReportedPair* cameras = nullptr;
   const ChangePlan* plan = nullptr;

@@ -40,7 +40,7 @@ struct Setting {
   bool is_required = false;  ///< a camera that does not report it cannot be judged
 };
 
-/// What the odometry needs beside the fixed values.
+/// Needs of the odometry beside the fixed values.
 struct OdometryNeeds {
   std::optional<double> frame_rate;  ///< Hz; nothing: 15 to 30, the same on both
   int bit_rate = 4096;               ///< kbit/s, at least
@@ -70,7 +70,7 @@ bool applies(const Setting& setting, const CameraDocuments& camera);
 /// Whether a value is good for odometry.
 bool fits(const Setting& setting, const std::string& value);
 
-/// What is good for odometry: "off", "at most 1/250".
+/// The values that are good for odometry, as text: "off", "at most 1/250".
 std::string wantedText(const Setting& setting);
 
 /// Whether the setting is something that must be off. Firmwares call that "false", "close" or "off".

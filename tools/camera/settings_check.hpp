@@ -44,8 +44,8 @@ std::array<std::vector<Finding>, 2> checkCameras(const CameraPair& cameras, cons
 /// Whether both are one camera, by their serial numbers.
 bool areSameCamera(const CameraPair& cameras);
 
-/// What differs between two cameras beside their settings and may matter, such as the model; empty if nothing
-/// does.
+/// Differences of two cameras beside their settings that may matter, such as the model; empty if there are
+/// none.
 std::vector<std::string> compareCameras(const CameraPair& cameras);
 
 }  // namespace cartvo

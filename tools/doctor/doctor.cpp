@@ -43,7 +43,7 @@ std::vector<PicturePair> picturesOf(const std::vector<capture::FramePair>& pairs
   return pictures;
 }
 
-/// What the checks share.
+/// A run of all checks, with the state that they share.
 class Run {
  public:
   Run(const DoctorSettings& settings, const DoctorObserver& observer, const std::atomic<bool>& interrupted)

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kFewestPairs = 5;
 constexpr double kMilliseconds = 1e3;
 
-/// What processing some pairs has shown.
+/// Results of processing some pairs.
 struct Processed {
   std::vector<double> times;  ///< s
   std::size_t valid = 0;

@@ -13,7 +13,7 @@
 
 namespace cartvo::doctor {
 
-/// What the odometry computes with.
+/// Rig and settings with which the odometry computes.
 struct OdometrySetup {
   calib::Rig rig;
   vo::OdometrySettings settings;

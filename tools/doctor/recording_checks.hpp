@@ -25,7 +25,7 @@ std::optional<daemon::Configuration> checkRecording(const std::filesystem::path&
 StreamMeasurement measureRecording(const std::filesystem::path& folder, capture::CameraSide side,
                                    double seconds, const std::atomic<bool>& interrupted);
 
-/// What is read of a source.
+/// Rig and pairs that are read of a source.
 struct SourceContent {
   std::optional<calib::Rig> rig;
   KeptPairs pairs;  ///< of its first two minutes

@@ -13,7 +13,7 @@
 
 namespace cartvo::doctor {
 
-/// What the report is about.
+/// Subject of the report: the computer, the time, the program and the source.
 struct ReportHead {
   std::string host;     ///< name of the computer
   std::string time;     ///< "2026-11-26 19:20:00 UTC"

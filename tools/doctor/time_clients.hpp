@@ -10,7 +10,7 @@
 
 namespace cartvo::doctor {
 
-/// What `chronyc -n -c clients` prints, at most 64 KiB, within two seconds; nothing if chronyd does not run
+/// Output of `chronyc -n -c clients`, at most 64 KiB, within two seconds; nothing if chronyd does not run
 /// here or does not answer, which it does only to root.
 std::optional<std::string> chronyClients();
 

@@ -13,7 +13,7 @@
 
 namespace cartvo {
 
-/// What a report compares.
+/// The data that a report compares.
 struct ReportInput {
   AssociatedTrajectories associated;
   Evaluation evaluation;

@@ -8,7 +8,7 @@
 
 namespace cartvo {
 
-/// What is exported: the results of a replay, or poses alone.
+/// The exported data: the results of a replay, or poses alone.
 struct ExportSource {
   std::filesystem::path path;
   std::optional<Replay> replay;  ///< empty if the source is a trajectory file

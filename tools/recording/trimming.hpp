@@ -15,7 +15,7 @@ struct TrimmedPart {
   double to = std::numeric_limits<double>::infinity();
 };
 
-/// What was copied.
+/// The copied part of a recording.
 struct TrimmedRecording {
   std::array<std::uint64_t, 2> pictures{};  ///< left, right
   double from = 0.0, to = 0.0;              ///< of the copied pictures, as in TrimmedPart

@@ -9,7 +9,7 @@
 
 namespace cartvo {
 
-/// What the page of a replay shows.
+/// Settings of the page of a replay.
 struct ReplayPageSettings {
   daemon::PageServerSettings server;
   std::string title;  ///< of the source

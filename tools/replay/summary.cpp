@@ -61,7 +61,7 @@ constexpr std::array<std::pair<vo::StereoFault, const char*>, 4> kNamedFaults{{
     {vo::StereoFault::period_offset, "period_offset"},
 }};
 
-/// What to look at if pairs are invalid for a reason.
+/// Likely cause of pairs that are invalid for a reason, as advice.
 const char* reasonAdvice(vo::OdometryReason reason) {
   switch (reason) {
     case vo::OdometryReason::too_few_features:

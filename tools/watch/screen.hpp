@@ -30,7 +30,7 @@ class SpeedHistory {
   std::optional<std::int64_t> last_ns_;
 };
 
-/// What the screen shows.
+/// Content of the screen.
 struct WatchedState {
   std::string url;
   odometry_t message{};            ///< the last one

@@ -143,7 +143,7 @@ class OdometryReceiver {
     return received_;
   }
   const odometry_t& last() const { return last_; }
-  /// What the operator should know: messages that cannot be decoded, problem and self-check of the last
+  /// Advice to the operator: messages that cannot be decoded, problem and self-check of the last
   /// health message. Empty if there is nothing.
   std::string advice() const {
     const std::string foreign = foreignDefinitionText(foreign_odometry_, foreign_health_);

@@ -32,7 +32,7 @@ std::string liveLine(const odometry_t& message, double frame_rate, const std::st
 /// The reasons of an INVALID message; of a bound above its alert limit with what `bound_exceeded` says.
 std::string invalidText(const odometry_t& message, const std::string& bound_exceeded);
 
-/// What to do if messages of these channels cannot be decoded; empty if all can.
+/// Advice if messages of these channels cannot be decoded; empty if all can.
 std::string foreignDefinitionText(bool odometry, bool health);
 
 /// The problem and the self-check of a health message, one line each; empty if there is none.

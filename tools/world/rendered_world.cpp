@@ -159,7 +159,7 @@ class RenderedWorld::Implementation {
   }
 
  private:
-  /// What images need and the truth does not; expensive to build.
+  /// The part of the world that images need and the truth does not; expensive to build.
   struct SceneState {
     SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
         : campus(buildCampus(path, settings)),

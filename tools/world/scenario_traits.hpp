@@ -30,7 +30,7 @@ struct LowSun {
 /// People on foot.
 enum class Walkers : std::uint8_t { none, few, crowd };
 
-/// What distinguishes the world of a scenario, as data. The defaults are those of the campus.
+/// Properties that distinguish the world of a scenario, as data. The defaults are those of the campus.
 struct ScenarioTraits {
   std::vector<Eigen::Vector2d> polygon;  ///< of the closed path, m
   double corner_radius = 11.5;           ///< m

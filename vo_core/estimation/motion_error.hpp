@@ -26,8 +26,8 @@ struct MotionError {
   Matrix6d offsetCovariance() const { return by_offset * by_offset.transpose(); }
   Matrix6d readoutCovariance() const { return by_readout * by_readout.transpose(); }
 
-  /// What the measurements show. It decides whether the geometry is degenerate: an inflation makes a motion
-  /// uncertain, but not degenerate.
+  /// Covariance by the measurements. It decides whether the geometry is degenerate: an inflation makes a
+  /// motion uncertain, but not degenerate.
   Matrix6d measured() const { return by_landmarks + offsetCovariance() + readoutCovariance(); }
 
   /// Covariance of the motion. The inflations apply to what follows from image measurements: the scale

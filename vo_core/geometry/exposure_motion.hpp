@@ -44,7 +44,7 @@ struct ExposureMotion {
   }
 };
 
-/// What the rows of a pair's images tell of the motion about its left exposure: velocity, acceleration,
+/// Information of the rows of a pair's images on the motion about its left exposure: velocity, acceleration,
 /// angular jerk.
 struct RowInformation {
   static constexpr int kSize = 15;
@@ -86,7 +86,7 @@ struct MotionBlend {
   ExposureMotion of(const ExposureMotion& expected) const;
 };
 
-/// What the rows tell if they were compared with a map that was made under motions with errors of this
+/// The information of rows that were compared with a map that was made under motions with errors of this
 /// covariance: only changes of the motion are measured better than that.
 RowInformation withMapError(const RowInformation& rows, const RowInformation::Matrix& covariance);
 

@@ -23,7 +23,7 @@ struct TimedPose {
   /// 1/s, sensitivity to the time offset: error of the estimate (a perturbation on the right) per second by
   /// which the right cameras of all pairs were exposed later than `offset` says.
   Vector6d dpose_doffset = Vector6d::Zero();
-  /// What the rows of rolling shutters add to motionByPoses(); empty with global shutters.
+  /// Blend of motionByPoses() with the rows of rolling shutters; empty with global shutters.
   std::optional<MotionBlend> rows = std::nullopt;
 };
 

@@ -15,7 +15,7 @@ struct RightDisplacement {
   Vector6d stddev = Vector6d::Zero();  ///< of a measured motion of the left camera; m and rad
 };
 
-/// What the right camera does while the left image shows a standstill.
+/// Motion of the right camera while the left image shows a standstill.
 enum class RightMotion : std::uint8_t {
   unknown,
   moves,  ///< has moved relative to the left camera, or cannot be localised while the left image repeats

@@ -12,7 +12,7 @@
 
 namespace cartvo::vo {
 
-/// What is observed of a pair. It grows while the pair is processed: false means no, or not observed yet.
+/// Observations of a pair, added while the pair is processed: false means no, or not observed yet.
 struct IntegrityEvidence {
   bool left_repeats = false;   ///< the left image equals the previous one, by its digest
   bool right_repeats = false;  ///< the right one does
@@ -30,7 +30,7 @@ struct IntegrityEvidence {
   bool ambiguous = false;      ///< because the landmarks may as well show another one
 };
 
-/// What the odometry does with a pair.
+/// Treatment of a pair by the odometry.
 enum class IntegrityAction : std::uint8_t {
   measure,      ///< no transition applies yet: more evidence is needed
   publish,      ///< its motion is valid

@@ -7,7 +7,7 @@
 
 #include "vo_core/stereo_camera.hpp"
 
-// What the matches of one pair say about how its two images belong together.
+// Evidence of the matches of one pair on how its two images belong together.
 
 namespace cartvo::vo {
 

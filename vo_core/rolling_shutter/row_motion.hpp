@@ -54,7 +54,7 @@ struct RowMotion {
   ExposureMotion motion;
   RowInformation rows;                                                 ///< without the prior
   RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of `motion`
-  /// What the uncertainties of motion and depths add to the covariance of the pose.
+  /// Covariance that the uncertainties of motion and depths add to that of the pose.
   Matrix6d pose_covariance_by_motion = Matrix6d::Zero();
   /// Error of `motion` for each second by which the readout is longer than assumed.
   RowInformation::Vector error_by_readout = RowInformation::Vector::Zero();

@@ -29,7 +29,7 @@ class ReadoutEstimator {
   bool isUnknown() const { return !known_ && estimate().stddev > 3.0 * model_stddev_; }
   /// Whether the error of used() matters beside that which no number of images reduces.
   bool isUncertain() const { return stddev() > 1.25 * model_stddev_; }
-  /// What the images show, of a known readout, too.
+  /// Readout that the images show, s; of a known readout, too.
   EstimateWithStddev estimate() const;
 
  private:

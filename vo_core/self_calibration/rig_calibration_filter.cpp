@@ -151,7 +151,7 @@ RigCorrection RigCalibrationFilter::correction() const {
                   significant(RowPatterns::kRoll)});
 }
 
-/// What a row pattern that is not estimated adds to the variances of those that are.
+/// Variances that a row pattern that is not estimated adds to those of the estimated ones.
 RowPatterns::Vector RigCalibrationFilter::patternVariances() const {
   if (!(pairs_ > 0.0)) return RowPatterns::Vector::Zero();
   RowPatterns::Matrix information = mean_products_ / square(settings_.row_pattern);

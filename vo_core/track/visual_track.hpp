@@ -65,7 +65,7 @@ struct TrackedMotion {
   bool noiseIsUncalibrated() const { return error.startup_inflation > 1.0; }
 };
 
-/// What tracks learn about the cameras, handed from one to the next.
+/// Estimates about the cameras that one track hands to the next.
 struct LearntByTracks {
   RigCalibrationFilter rig;
   ReadoutEstimators readouts;
@@ -106,7 +106,7 @@ class VisualTrack {
   std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters that are known
 
  private:
-  /// What motions tell of cameras and road.
+  /// Estimates about cameras and road from the motions.
   struct Estimates {
     RigCalibrationFilter rig;
     ReadoutEstimators readouts;

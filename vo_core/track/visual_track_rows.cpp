@@ -201,7 +201,7 @@ void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, Track
   motion.error.by_rows = factor * by_rows;
 }
 
-/// What the unknown motion about the first exposures of a track adds to the covariance of a motion: rows were
+/// Covariance that the unknown motion about a track's first exposures adds to that of a motion: rows were
 /// moved by a speed and a rate that were not known.
 Matrix6d VisualTrack::errorOfFirstRows(std::size_t pairs) const {
   constexpr double kRowShare = 0.15;  // of the readout: half of the rows' RMS, whose errors partly cancel
@@ -218,7 +218,7 @@ std::size_t VisualTrack::firstToCorrect(const std::vector<WindowFrame>& window) 
   return window.size() < kCorrectedPairs ? 0 : window.size() - kCorrectedPairs;
 }
 
-/// What the rows of a camera tell of its readout: its image of the pair at `position` in the window against
+/// Equation for a camera's readout by its rows: its image of the pair at `position` in the window against
 /// its image two pairs before, each row at its own instant in the motion that the polynomials through the
 /// poses make. Both images are timed with the same readout, so that a steady turn, which shears all images
 /// alike, tells nothing. Nothing if too few landmarks are seen in both.

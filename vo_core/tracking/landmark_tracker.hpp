@@ -31,7 +31,7 @@ struct TrackedImage {
   bool pose_is_found = false;  ///< whether the pose comes from landmarks of this image: the search trusts it
 };
 
-/// What the search says of the predicted pose.
+/// Correction of the predicted pose by the search.
 struct TrackingOutcome {
   std::optional<Eigen::Isometry3d> T_world_camera;  ///< the prediction, corrected if it failed
   bool prediction_failed = false;

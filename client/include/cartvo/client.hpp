@@ -171,7 +171,7 @@ enum class InputState : std::uint8_t {
 /// The state in words, for logs.
 const char* stateText(InputState state);
 
-/// What a control loop acts on in one cycle.
+/// Input of a control loop in one cycle.
 struct ControllerInput {
   InputState state = InputState::waiting;
   /// 0 to 1: the share of the odometry in the controller's command. It falls from 1 to 0 within

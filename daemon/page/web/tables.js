@@ -123,7 +123,7 @@ export function programRows(health) {
   ];
 }
 
-/** What the operator should know, the most urgent first. */
+/** Sentences for the operator, the most urgent first. */
 export function sentences(health, reasons) {
   const found = [];
   if (health.problem) found.push(health.problem);

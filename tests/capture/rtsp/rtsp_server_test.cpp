@@ -29,7 +29,7 @@ std::string answer(const std::string& request, const std::string& status, const 
          headers + "\r\n";
 }
 
-/// What a server got, and what the camera's health says of it.
+/// The requests that a server got, and error and state in the camera's health.
 struct Meeting {
   std::string error;
   CameraState state = CameraState::connecting;

@@ -1,4 +1,4 @@
-// What changes when the configuration is read again: at run time, or at the next restart.
+// Effects of a configuration that is read again: at run time, or at the next restart.
 
 #include "daemon/service/configuration_change.hpp"
 

@@ -18,7 +18,7 @@ inline capture::IsapiSettings isapiSettings(const IsapiServer& server) {
   return settings;
 }
 
-/// What a camera is set to.
+/// Identity and settings of a simulated camera.
 inline CameraDocuments readSimulatedCamera(const IsapiServer& server) {
   capture::IsapiClient client(isapiSettings(server));
   return readCamera(client, {});

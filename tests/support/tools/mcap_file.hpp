@@ -14,7 +14,7 @@ struct McapMessage {
   std::string data;
 };
 
-/// What an MCAP file contains.
+/// Content of an MCAP file.
 struct McapFile {
   std::string profile;
   std::vector<McapMessage> messages;           ///< in the order of the file

@@ -1,4 +1,4 @@
-// What health messages of a running cartvod say.
+// Findings from health messages of a running cartvod.
 #include "tools/doctor/network/daemon_checks.hpp"
 
 #include <atomic>

@@ -154,7 +154,7 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   EXPECT_EQ(valid_pairs(10.2, 12.8), 0) << "the right camera was off";
   EXPECT_GE(valid_pairs(15.0, 16.5), 5);
   EXPECT_GE(valid_pairs(31.0, 34.0), 12) << "a camera's clock was set";
-  // What is wrong is stated to be uncertain: a frozen picture is encoded anew, so that each key frame seems
+  // Wrong motions are stated to be uncertain: a frozen picture is encoded anew, so that each key frame seems
   // to show a cart that has stopped, and the picture behind it one that has moved by two seconds' way.
   const Eigen::Vector3d true_velocity(0.0, -0.4, 0.0);  // m/s, to the right
   for (const ReplayedPair& pair : first.pairs) {

@@ -91,7 +91,7 @@ TEST(WatchScreen, IsColouredOnlyIfAsked) {
   EXPECT_THAT(textOf(exampleState(), 100, 40, true), HasSubstr("\x1b[30;42m"));
 }
 
-/// What a child process prints on a pseudo terminal of this size.
+/// Output of a child process on a pseudo terminal of this size.
 std::string printedOnTerminal(unsigned short columns, unsigned short rows, const char* terminal,
                               const std::function<void()>& print) {
   winsize size{};

@@ -16,7 +16,7 @@ namespace {
 const StereoCamera kCamera{480.0, 340.0, 210.0, 0.12, 680, 420};
 constexpr PairTimes kTimes{.offset = 0.0, .flow = 0.055, .period = 0.055};
 
-/// What distinguishes the matches of a scene from those of a correct rig at rest.
+/// Properties that distinguish the matches of a scene from those of a correct rig at rest.
 struct Scene {
   RigCorrection error{};
   double speed = 3.0;  // m/s, forwards

@@ -158,7 +158,7 @@ TEST(RowMotion, NeedsPoints) {
   EXPECT_FALSE(RowMotionEstimator().estimate(problem).converged);
 }
 
-/// What rows tell that measure each component of a motion with these standard deviations.
+/// Information of rows that measure each component of a motion with this standard deviation.
 RowInformation rowsAbout(const ExposureMotion& motion, double stddev) {
   RowInformation rows;
   rows.information.diagonal().setConstant(1.0 / (stddev * stddev));

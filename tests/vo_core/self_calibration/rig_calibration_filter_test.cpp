@@ -18,7 +18,7 @@ constexpr double kTimeStep = 0.055;  // s
 constexpr int kMinute = 1091;        // pairs
 constexpr int kDifferentPairs = 40;  // rendered, then repeated
 
-/// What the calibration leaves of the right camera's lens and place.
+/// Errors of the right camera's lens and place that remain after the calibration.
 struct Remainder {
   double row_scale = 0.0, radial = 0.0, decentring = 0.0;
   double height = 0.0;  ///< m

@@ -14,7 +14,7 @@
 
 namespace cartvo::benchmark {
 
-/// What one job has measured.
+/// Measurements of one job.
 struct JobSamples {
   std::size_t job = 0;   ///< the sequence's number, from 1
   std::size_t jobs = 0;  ///< number of sequences of the benchmark

@@ -11,7 +11,7 @@
 
 namespace cartvo::benchmark {
 
-/// What a disturbance changes.
+/// The part of a sequence that a disturbance changes.
 enum class DisturbanceKind : std::uint8_t {
   none,
   pairs,     ///< some pairs are missing

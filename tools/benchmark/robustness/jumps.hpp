@@ -13,7 +13,7 @@
 
 namespace cartvo::benchmark {
 
-/// What the jumps change.
+/// Images, rig and truth of cameras that jump.
 struct Jumps {
   /// Image of a camera, turned and without the border that a turned camera does not see.
   std::function<cv::Mat(const cv::Mat& image, bool left, std::int64_t exposure_ns)> turned;

@@ -20,7 +20,7 @@ struct StereoReadout {
   bool operator==(const StereoReadout&) const = default;
 };
 
-/// What the odometry knows about the readouts.
+/// The readouts that the odometry is given.
 enum class ReadoutModel : std::uint8_t {
   known,      ///< the true readouts
   estimated,  ///< 32 ms with a standard deviation of 15 %, as of cameras without a statement

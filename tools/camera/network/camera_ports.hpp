@@ -22,7 +22,7 @@ std::string ipv4Text(Ipv4 address);
 /// Whether two networks have an address in common.
 bool networksOverlap(Ipv4 one, int one_prefix, Ipv4 other, int other_prefix);
 
-/// What the user wants. Either `interface` or both of the others are set.
+/// Ports and cameras that the user wants. Either `interface` or both other interfaces are set.
 struct PortWishes {
   std::string interface;  ///< one port, with a switch and both cameras
   std::string left_interface, right_interface;

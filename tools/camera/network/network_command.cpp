@@ -30,7 +30,7 @@ struct Options {
   fs::path output_dir;  ///< empty: print
 };
 
-/// What has to be done to one file.
+/// A file to write, and whether it exists already, with the same text.
 struct PlannedFile {
   fs::path path;
   std::string text;

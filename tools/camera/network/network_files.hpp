@@ -20,7 +20,7 @@ struct NetworkFile {
 /// sysctl file for the receive buffers. config/network/ holds those of two ports with DHCP.
 std::vector<NetworkFile> networkFiles(const std::vector<CameraPort>& ports);
 
-/// What is left to do once the files are in /etc.
+/// The steps that remain once the files are in /etc.
 std::string nextSteps(const std::vector<CameraPort>& ports);
 
 }  // namespace cartvo

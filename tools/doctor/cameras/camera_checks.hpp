@@ -29,7 +29,7 @@ struct CameraQuestion {
   LoginPermission login = LoginPermission::allowed;
 };
 
-/// What a camera answered.
+/// Answer of a camera.
 struct CameraAnswer {
   bool is_reachable = false;                 ///< its RTSP port
   bool is_refused = false;                   ///< it refused the password, or has locked the login

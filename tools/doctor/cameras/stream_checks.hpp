@@ -12,7 +12,7 @@
 
 namespace cartvo::doctor {
 
-/// What a stream must be.
+/// Required properties of a stream.
 struct StreamNeeds {
   cv::Size size;                     ///< px, of the rig; empty: any
   std::optional<double> frame_rate;  ///< Hz, as configured; nothing: any

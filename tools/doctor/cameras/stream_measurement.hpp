@@ -9,11 +9,11 @@
 
 #include "capture/encoded_unit.hpp"
 
-// What is measured about one camera's stream.
+// Measurements of one camera's stream.
 
 namespace cartvo::doctor {
 
-/// What is kept of each received picture.
+/// Values that are kept of each received picture.
 struct ReceivedPicture {
   std::int64_t time_ns = 0;           ///< by the camera: RTP time of IP cameras, else the exposure
   std::int64_t first_arrival_ns = 0;  ///< host's clock, as EncodedUnit; 0: unknown

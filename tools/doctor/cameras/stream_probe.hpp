@@ -19,7 +19,7 @@ struct ProbeSettings {
   cv::Size size;                            ///< px, of the rig; empty: unknown
 };
 
-/// What was received of both cameras.
+/// Streams and pairs that were received of both cameras.
 struct Probe {
   std::array<StreamMeasurement, 2> streams;  ///< left, right
   KeptPairs pairs;

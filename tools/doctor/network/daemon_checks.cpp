@@ -1,4 +1,4 @@
-// What a running cartvod knows.
+// Checks of the state that a running cartvod reports.
 #include "tools/doctor/network/daemon_checks.hpp"
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include "daemon/service/configuration.hpp"
 #include "tools/doctor/finding_list.hpp"
 
-// What a running cartvod knows.
+// Checks of the state that a running cartvod reports.
 
 namespace cartvo::doctor {
 

@@ -9,7 +9,7 @@
 
 namespace cartvo::doctor {
 
-/// What LCM delivers on one URL.
+/// Observation of the messages that LCM delivers on one URL.
 struct LcmObservation {
   std::string problem;       ///< why LCM cannot be used; empty if it can
   bool is_returned = false;  ///< a message of this process was received back

@@ -11,7 +11,7 @@
 
 namespace cartvo {
 
-/// What VALID messages are worth: how many of them have an error above a limit that does not depend on what
+/// Quality of VALID messages: how many of them have an error above a limit that does not depend on what
 /// they state, how many one above the bound that they state, and how often there is one.
 struct ValidityFigures {
   std::size_t messages = 0;     ///< of all pairs, the first among them

@@ -11,7 +11,7 @@ constexpr double kTopSpeed = 6.0;        // m/s
 constexpr double kMotorwaySpeed = 20.0;  // m/s, from the start
 constexpr double kPathStep = 0.5;        // m along the path, grid of the speed limits
 
-/// What the driver demands of the cart.
+/// Accelerations and rates that the driver demands of the cart.
 struct Demands {
   double acceleration = 1.1;          ///< m/s^2
   double braking = 1.6;               ///< m/s^2

@@ -36,7 +36,7 @@ void renderFirstPass(PacketRenderer& renderer, const cv::Rect& tile, FirstPass& 
   }
 }
 
-/// What a pixel and its eight neighbours show in the first pass.
+/// Content of a pixel and its eight neighbours in the first pass.
 enum class Neighbourhood : std::uint8_t {
   plain,   ///< one surface with the same sunlight
   leaves,  ///< leaves and the gaps between them

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms.
+"""tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms, and comments and
+doc strings that begin with "What".
 
 Looks at identifiers, comments, texts and prose of all tracked sources, tests, scripts and documentation, or of the given
 files. The glossary itself is left out. Identifiers are split into their words, so that
-`StandWitness` and `stand_witness` are found by `witness`. Prints FILE:LINE, the word, and what to say instead.
+`StandWitness` and `stand_witness` are found by `witness`. Comments are those of C++, Python, shell, CMake and LCM files;
+headings of documentation may begin with "What". Prints FILE:LINE, the word, and what to say instead.
 """
 import pathlib
 import re
@@ -37,13 +39,21 @@ ALLOWED = {
     "tests/system/in_vm.sh": ("nobody",),  # the system user
 }
 LEFT_OUT = ("docs/glossary.md", "tools/check_language.py", "LICENSE")
-KINDS = (".cpp", ".hpp", ".md", ".py", ".sh", ".yaml", ".lcm", ".txt", ".1", ".5", ".8", ".in", ".cmake")
+KINDS = (".cpp", ".hpp", ".js", ".md", ".py", ".pyi", ".sh", ".yaml", ".lcm", ".txt", ".1", ".5", ".8", ".in", ".cmake")
+# Kinds of files in which # and // do not begin a comment.
+WITHOUT_COMMENTS = (".md", ".txt", ".1", ".5", ".8")
+# A comment or doc string that begins with "What", also the rest of a comment that continues on this line.
+WHAT_COMMENT = re.compile(r'(?:(?<!:)//+[/!]?<?|(?:^|\s)#+:?|"""|/\*+)\s*What\b')
 PATTERN = re.compile("|".join(rf"(?P<g{i}>\b(?:{pattern})\b)" for i, pattern in enumerate(REJECTED)))
 
 
 def words_of(line: str) -> str:
     """The line with identifiers split into lower-case words."""
     return re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", line).replace("_", " ").lower()
+
+
+def has_comments(file: pathlib.Path) -> bool:
+    return file.suffix not in WITHOUT_COMMENTS or file.name == "CMakeLists.txt"
 
 
 def findings(file: pathlib.Path) -> list[str]:
@@ -55,6 +65,8 @@ def findings(file: pathlib.Path) -> list[str]:
                 continue
             instead = list(REJECTED.values())[int(match.lastgroup[1:])]
             found.append(f"{name}:{number}: \"{match.group(0)}\": say {instead} (docs/glossary.md)")
+        if has_comments(file) and WHAT_COMMENT.search(line):
+            found.append(f"{name}:{number}: comment begins with \"What\": name the thing, its unit or frame")
     return found
 
 

@@ -33,8 +33,8 @@ struct ProtectionLevel {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector3d velocity = Eigen::Vector3d::Constant(kUnknown);      ///< m/s
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Constant(kUnknown);  ///< rad/s
-  /// m and rad, translation and rotation over the last second: since the oldest pose of the last second and the
-  /// epoch that was VALID; if there is none, since the previous pair.
+  /// m and rad, translation and rotation over the last second: since the oldest pose of the last second and
+  /// the epoch that was VALID; if there is none, since the previous pair.
   Eigen::Vector3d motion = Eigen::Vector3d::Constant(kUnknown);
   Eigen::Vector3d rotation = Eigen::Vector3d::Constant(kUnknown);
 };

@@ -45,7 +45,8 @@ vo::UncertaintySettings withoutDrift() {
   return settings;
 }
 
-/// The level after so many estimates of one motion, whose camera is the body and which are VALID unless stated.
+/// The level after so many estimates of one motion, whose camera is the body and which are VALID unless
+/// stated.
 ProtectionLevel levelAfter(ProtectionLevels& levels, int count, const vo::OdometryEstimate& estimate,
                            bool valid = true) {
   ProtectionLevel level;

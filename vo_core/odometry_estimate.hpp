@@ -118,7 +118,7 @@ struct ExposureTwist {
 /// that one was invalid. Lost features are searched for over `tracking.search_again` pairs, and ambiguous
 /// ones for maximum_time_step. If found, the pose continues, and time_step and motion span the gap. Otherwise
 /// the next valid motion starts a new epoch: reset_counter increments, and the pose restarts from the
-/// identity at the pair before that motion.
+/// identity at the pair before that motion. An epoch without a valid motion does not end.
 ///
 /// Within an epoch the pose has no jumps: T_world_camera = reference pose * T_previous_current, up to what a
 /// pair corrects of its reference, which has already been published.

@@ -48,6 +48,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   IntegrityAction tryRelocalise(PreparedPair pair, IntegrityMonitor& integrity, TrackedMotion& motion,
                                 StageObserver& observer);
   void useCandidate();
+  void endEpoch();
   void compensateCodecShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate startTrack(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate startEpoch(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
@@ -71,6 +72,7 @@ class ReprojectionOdometry final : public OdometryMethod {
   std::optional<PoseShift> codec_shift_;  ///< of the track's last pair; removed from published poses
   int lost_pairs_ = 0;
   std::uint32_t epoch_ = 0;
+  bool epoch_has_motion_ = false;
   std::int64_t next_index_ = 0;
 };
 
@@ -143,6 +145,7 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Integ
     return startEpoch(pair, OdometryReason::repeated_picture, observer);
   candidate_track_.reset();
   lost_pairs_ = 0;
+  epoch_has_motion_ = true;
   compensateCodecShift(pair, motion);
   return toEstimate(pair, motion);
 }
@@ -169,7 +172,7 @@ void ReprojectionOdometry::useCandidate() {
   track_ = std::move(candidate_track_);
   candidate_track_.reset();
   lost_pairs_ = 0;
-  ++epoch_;
+  endEpoch();
   codec_shift_ = codec_errors_.restart(candidate_key_frames_);
 }
 
@@ -220,10 +223,16 @@ OdometryEstimate ReprojectionOdometry::startTrack(const PreparedPair& pair, Odom
   return toEstimate(pair, motion);
 }
 
+/// The next motion is in a new epoch. One without a motion goes on: no pose of it was used.
+void ReprojectionOdometry::endEpoch() {
+  if (epoch_has_motion_) ++epoch_;
+  epoch_has_motion_ = false;
+}
+
 /// Starts a new epoch, and its track, at the pair.
 OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, OdometryReason reason,
                                                   StageObserver& observer) {
-  ++epoch_;
+  endEpoch();
   return startTrack(pair, reason, observer);
 }
 

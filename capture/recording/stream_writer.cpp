@@ -56,6 +56,7 @@ void StreamWriter::open(const StreamFormat& format, const EncodedUnit& first) {
   AVFormatContext* output = nullptr;
   requireSuccess(avformat_alloc_output_context2(&output, nullptr, "matroska", video_file_.c_str()));
   output_.reset(output);
+  output->flags |= AVFMT_FLAG_BITEXACT;  // no random identifier: the same pictures make the same file
   AVStream* stream = avformat_new_stream(output, nullptr);
   if (stream == nullptr) throw std::bad_alloc();
   std::vector<std::uint8_t> sets = parameterSets(format.codec, first.data);

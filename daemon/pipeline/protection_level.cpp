@@ -96,12 +96,15 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
   if (!estimate.valid || !(estimate.time_step > 0.0)) return level;
   add(estimate);
   const vo::Matrix6d Ad = vo::adjoint(T_body_rectified_);
-  const vo::Matrix6d covariance = Ad * covarianceOfLastSecond() * Ad.transpose();
-  const bool stands = estimate.reasons == vo::OdometryReason::zero_velocity;
+  const LastSecond last = lastSecond();
+  const vo::Matrix6d covariance = Ad * last.covariance * Ad.transpose();
+  // For a second after it has stopped, a cart sways on its springs by less than standstill is recognised by.
+  const bool stands =
+      std::all_of(motions_.begin(), motions_.end(), [](const Motion& motion) { return motion.stands; });
   const double by_jerk = stands ? 0.0 : kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
   level.velocity = boundsOf(motion.twist_covariance, 0, by_jerk);
   level.angular_rate = boundsOf(motion.twist_covariance, 3, std::min(by_jerk, kKerbRate));
-  level.motion = boundsOf(covariance, 0, kMotionFloor);
+  level.motion = boundsOf(covariance, 0, kMotionFloor + kWayShare * last.distance);
   level.rotation = boundsOf(covariance, 3, kRotationFloor);
   return level;
 }
@@ -109,8 +112,9 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
 void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
   const vo::Vector6d &by_offset = estimate.motion_offset_error, &by_readout = estimate.motion_readout_error;
   const vo::Matrix6d common = by_offset * by_offset.transpose() + by_readout * by_readout.transpose();
-  motions_.push_back({newest_valid_, estimate.time_step, estimate.T_previous_current,
-                      estimate.motion_covariance - common, by_offset, by_readout});
+  motions_.push_back({newest_valid_, estimate.reasons == vo::OdometryReason::zero_velocity,
+                      estimate.time_step, estimate.T_previous_current, estimate.motion_covariance - common,
+                      by_offset, by_readout});
   newest_valid_ = false;
   double duration = 0.0;
   for (const Motion& motion : motions_)
@@ -124,7 +128,7 @@ void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
 /// In the axes of the rectified camera. An error of the time offset or of readouts is common to all motions,
 /// and counts as an independent one in each too, so that it does not cancel when the cart turns left and
 /// right, as in the core. An error of the rig's scale makes all distances too long by the same fraction.
-vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
+ProtectionLevels::LastSecond ProtectionLevels::lastSecond() const {
   vo::PoseUncertainty uncertainty;
   // The first motions of a track are uncertain because they are the first, not because they drift.
   uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
@@ -144,8 +148,9 @@ vo::Matrix6d ProtectionLevels::covarianceOfLastSecond() const {
     T_start_current = T_start_current * motion.T_previous_current;
   }
   const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);
-  return uncertainty.pose + by_offset * by_offset.transpose() + by_readout * by_readout.transpose() +
-         by_scale * by_scale.transpose();
+  return {uncertainty.pose + by_offset * by_offset.transpose() + by_readout * by_readout.transpose() +
+              by_scale * by_scale.transpose(),
+          T_start_current.translation().norm()};
 }
 
 }  // namespace cartvo::daemon

@@ -24,8 +24,8 @@ constexpr double kBoundFactor = 3.9;
 /// rendered drives (RMS 30 m/s^3).
 constexpr double kUnannouncedJerk = 50.0;
 /// m and rad: what is added for the motion of the last second. Landmarks and rig have errors that no
-/// covariance contains.
-constexpr double kMotionFloor = 0.005, kRotationFloor = 0.0004;
+/// covariance contains, most of them of scale: kWayShare of the distance is added too.
+constexpr double kMotionFloor = 0.005, kRotationFloor = 0.0004, kWayShare = 0.004;
 
 /// Bounds that the errors of a pair's motion exceed with a probability of at most 1e-4 a message, in the axes
 /// of the current body. NaN if there is no estimate.
@@ -85,14 +85,20 @@ class ProtectionLevels {
  private:
   struct Motion {
     bool starts_valid = false;  ///< the pose that the motion starts from was published as VALID
+    bool stands = false;        ///< by a zero-velocity update
     double time_step = 0.0;
     Eigen::Isometry3d T_previous_current;
     vo::Matrix6d noise;  ///< covariance without the errors by the time offset and the readouts
     vo::Vector6d offset_error, readout_error;  ///< OdometryEstimate::motion_offset_error, ...
   };
 
+  struct LastSecond {
+    vo::Matrix6d covariance;
+    double distance = 0.0;  ///< m, from its first to its last pose
+  };
+
   void add(const vo::OdometryEstimate& estimate);
-  vo::Matrix6d covarianceOfLastSecond() const;
+  LastSecond lastSecond() const;
 
   Eigen::Isometry3d T_body_rectified_;
   double scale_stddev_;

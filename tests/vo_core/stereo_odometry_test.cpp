@@ -185,6 +185,22 @@ TEST_P(EachEstimator, StartsANewEpochAfterALoss) {
   EXPECT_LT((estimates[5].T_world_camera.translation() - expected.translation()).norm(), 0.01);
 }
 
+TEST(StereoOdometry, EndsNoEpochThatHasNoMotion) {
+  std::vector<StereoImages> pairs;
+  constexpr int kGrey = 20;
+  for (int i = 0; i < kGrey; ++i)
+    pairs.push_back(uniformPair(128, i * kPeriod));
+  for (int i = 0; i < 3; ++i) {
+    pairs.push_back(drivePairs()[i]);
+    pairs.back().left_exposure_ns = pairs.back().right_exposure_ns = (kGrey + i) * kPeriod;
+  }
+  OdometrySettings settings;
+  settings.features = 400;
+  const auto estimates = run(pairs, settings);
+  ASSERT_TRUE(estimates.back().valid);
+  EXPECT_EQ(estimates.back().reset_counter, 0U);
+}
+
 TEST_P(EachEstimator, StartsANewEpochAtATimeStepOutOfRange) {
   for (const std::int64_t step : {std::int64_t{0}, -kPeriod, 10'000'000'000}) {
     std::vector<StereoImages> pairs(drivePairs().begin(), drivePairs().begin() + 4);

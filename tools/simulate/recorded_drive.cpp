@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calib/format/rig_file.hpp"
+#include "capture/codec/nal_units.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_reader.hpp"
 #include "tools/simulate/truth.hpp"
@@ -20,9 +21,10 @@ namespace {
 void append(EncodedStream& stream, const capture::RecordedUnit& recorded) {
   AccessUnit unit{
       .instant_ns = recorded.unit.exposure_ns, .begin = stream.bytes.size(), .key_frame = recorded.unit.key};
-  // A camera may send the parameter sets in its description only; repeating them does no harm.
+  // A camera may send the parameter sets in its description only.
   const std::vector<std::uint8_t>& sets = recorded.format.parameter_sets;
-  if (recorded.unit.key) stream.bytes.insert(stream.bytes.end(), sets.begin(), sets.end());
+  if (recorded.unit.key && capture::parameterSets(capture::VideoCodec::h264, recorded.unit.data).empty())
+    stream.bytes.insert(stream.bytes.end(), sets.begin(), sets.end());
   stream.bytes.insert(stream.bytes.end(), recorded.unit.data.begin(), recorded.unit.data.end());
   unit.size = stream.bytes.size() - unit.begin;
   stream.units.push_back(unit);

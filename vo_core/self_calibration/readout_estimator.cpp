@@ -61,9 +61,8 @@ void ReadoutEstimator::addImage(double measured, double variance) {
 
 void ReadoutEstimator::use(double estimate, bool is_shown) {
   if (known_) return;
-  // Rows that are not timed have nothing that a standard deviation could lengthen.
-  used_ = std::clamp(estimate, kShortestReadout, kLongestUnknownReadout);
-  if (is_shown && estimate < kShortestReadout) used_ = 0.0;
+  used_ = std::clamp(estimate, 0.0, kLongestUnknownReadout);
+  if (used_ < kShortestReadout && is_shown) used_ = 0.0;
 }
 
 double ReadoutEstimator::stddev() const {

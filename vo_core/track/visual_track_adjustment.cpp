@@ -158,7 +158,6 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
     motion.error.by_readout =
         errorByReadouts(motion.T_previous_current, *by_longer_readouts, draft.estimates.readouts);
   }
-  keepReadoutError(draft, motion.error.by_readout);
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
   if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);
@@ -171,6 +170,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByPoses();
+  keepReadoutError(draft, motion.error.by_readout);
   cell_noise_.update(bundle_);
   noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
   if (timing_.mayRoll()) updateReadouts(draft);

@@ -169,13 +169,13 @@ TEST(PipelineReplay, IsValidWhileEachBoundIsBelowItsAlertLimit) {
   EXPECT_GT(level.motion.minCoeff(), 0.0);
 
   AlertLimits limits = test::kNoAlertLimits;
-  limits.motion = 0.99 * level.motion.maxCoeff();
+  limits.velocity = 0.99 * level.velocity.maxCoeff();
   const Replay narrow = replay(frames(0, 0), frames(12, 0), test::kPeriod_ns, 0.0, limits);
   const PairResult& last = narrow.results.back();
   EXPECT_FALSE(last.isValid());
   EXPECT_TRUE(last.exceedsAlertLimit());
-  EXPECT_TRUE(last.worst->quantity == BoundedQuantity::motion);
-  EXPECT_EQ(last.level.motion, level.motion) << "the bounds stay, so that one sees which is too large";
+  EXPECT_TRUE(last.worst->quantity == BoundedQuantity::velocity);
+  EXPECT_EQ(last.level.velocity, level.velocity) << "the bounds stay, so that one sees which is too large";
   EXPECT_TRUE(last.motion.velocity.array().isNaN().all());
   EXPECT_TRUE(last.motion.twist_covariance.array().isNaN().all());
   EXPECT_TRUE(last.estimate.valid) << "the estimator goes on";

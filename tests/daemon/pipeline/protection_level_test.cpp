@@ -69,6 +69,17 @@ TEST(ProtectionLevel, OfAVelocityIsAMultipleOfItsStandardDeviationAndAKerb) {
   EXPECT_NEAR(level.angular_rate.y(), kBoundFactor * 0.02 + 0.1, 1e-12) << "all that a kerb does";
 }
 
+TEST(ProtectionLevel, OfAVelocityHasNoKerbWhenTheCartHasStoodForASecond) {
+  ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
+  vo::OdometryEstimate estimate = estimateWithNoise(motionAhead(0.1));
+  levelAfter(levels, 1, estimate);
+  const double by_kerb = kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
+  estimate.T_previous_current.setIdentity();
+  estimate.reasons = vo::OdometryReason::zero_velocity;
+  EXPECT_GT(levelAfter(levels, 9, estimate).velocity.minCoeff(), by_kerb) << "it may sway on its springs";
+  EXPECT_LT(levelAfter(levels, 1, estimate).velocity.maxCoeff(), by_kerb);
+}
+
 TEST(ProtectionLevel, GrowsOverTheLastSecondOnly) {
   ProtectionLevels levels(Eigen::Isometry3d::Identity(), 0.0, withoutDrift());
   const vo::OdometryEstimate standing = estimateWithNoise(motionAhead(0.0));
@@ -90,8 +101,9 @@ TEST(ProtectionLevel, HasTheSidewaysErrorOfAHeadingThatIsOff) {
   double variance = 10.0 * kTranslationStddev * kTranslationStddev;
   for (int behind = 0; behind < 10; ++behind)
     variance += std::pow(behind * kStep * kRotationStddev, 2);
-  EXPECT_NEAR(level.motion.y(), kMotionFloor + kBoundFactor * std::sqrt(variance), 1e-12);
-  EXPECT_NEAR(level.motion.x(), kMotionFloor + kBoundFactor * std::sqrt(10.0) * kTranslationStddev, 1e-12);
+  const double added = kMotionFloor + kWayShare * 10.0 * kStep;
+  EXPECT_NEAR(level.motion.y(), added + kBoundFactor * std::sqrt(variance), 1e-12);
+  EXPECT_NEAR(level.motion.x(), added + kBoundFactor * std::sqrt(10.0) * kTranslationStddev, 1e-12);
 }
 
 TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
@@ -103,7 +115,8 @@ TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
   const ProtectionLevel level = levelAfter(levels, 11, estimate);
   const double independent = 10.0 * (kTranslationStddev * kTranslationStddev + kByOffset * kByOffset);
   const double common = std::pow(10.0 * kByOffset, 2) + std::pow(10.0 * kScale * kStep, 2);
-  EXPECT_NEAR(level.motion.x(), kMotionFloor + kBoundFactor * std::sqrt(independent + common), 1e-9);
+  EXPECT_NEAR(level.motion.x(),
+              kMotionFloor + kWayShare * 10.0 * kStep + kBoundFactor * std::sqrt(independent + common), 1e-9);
 }
 
 TEST(ProtectionLevel, BeginsAnewWithAnEpochAndGoesOnBehindAGap) {
@@ -191,7 +204,11 @@ TEST(ProtectionLevel, FitsErrorsDrawnWithDriftOnABend) {
   ProtectionLevels levels(T_body_camera, 0.0, settings);
   const ProtectionLevel level = levelAfter(levels, 11, estimateWithNoise(drawn.step()));
   vo::Vector6d bounds;
-  bounds << level.motion.array() - kMotionFloor, level.rotation.array() - kRotationFloor;
+  Eigen::Isometry3d way = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 10; ++i)
+    way = way * drawn.step();
+  bounds << level.motion.array() - kMotionFloor - kWayShare * way.translation().norm(),
+      level.rotation.array() - kRotationFloor;
 
   constexpr int kDraws = 4000;
   vo::Vector6d squares = vo::Vector6d::Zero();

@@ -32,7 +32,7 @@ TEST(SimulateCommand, RejectsInvalidArguments) {
       {"--liveliness 2", "--liveliness"},
       {"--world campus --sequence folder", "--world excludes --sequence"},
       {"--recording folder --offset-ms 3", "--recording excludes --offset-ms"},
-      {"--recording folder --world campus", "--recording excludes --world"},
+      {"--recording folder --world campus", "--world excludes --recording"},
   }};
   for (const auto& [arguments, message] : invalid) {
     const test::CommandResult run = test::runCartvo(std::string("simulate ") + arguments);

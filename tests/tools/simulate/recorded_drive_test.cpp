@@ -37,7 +37,7 @@ class RecordedDriveTest : public testing::Test {
 
   test::TemporaryFolder folder_;
   fs::path drive_ = folder_ / "drive";
-  test::PatternContent content_{{.size = {64, 48}, .pairs = 12, .offset_s = 0.0125}};
+  test::PatternContent content_{{.size = {128, 96}, .pairs = 12, .offset_s = 0.0125}};
   EncodedPair streams_ = encodeContent(content_, kEncoder, {});
 };
 

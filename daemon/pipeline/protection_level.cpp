@@ -100,7 +100,7 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
   const vo::Matrix6d covariance = Ad * last.covariance * Ad.transpose();
   // For a second after it has stopped, a cart sways on its springs by less than standstill is recognised by.
   const bool stands =
-      std::all_of(motions_.begin(), motions_.end(), [](const Motion& motion) { return motion.stands; });
+      std::all_of(motions_.begin(), motions_.end(), [](const Motion& part) { return part.stands; });
   const double by_jerk = stands ? 0.0 : kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
   level.velocity = boundsOf(motion.twist_covariance, 0, by_jerk);
   level.angular_rate = boundsOf(motion.twist_covariance, 3, std::min(by_jerk, kKerbRate));

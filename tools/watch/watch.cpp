@@ -312,7 +312,7 @@ std::string clockText(const health_t& message) {
 }
 
 std::string invalidText(const odometry_t& message, const std::string& bound_exceeded) {
-  const std::string names = daemon::reasonNames(message.reasons);
+  std::string names = daemon::reasonNames(message.reasons);
   if ((message.reasons & odometry_t::REASON_BOUND) == 0 || bound_exceeded.empty()) return names;
   return names + ": " + printableExcerpt(bound_exceeded, 200);
 }

@@ -199,10 +199,9 @@ void renderPictures(const SimulateOptions& options, const Content& content) {
 }
 
 void run(const SimulateOptions& options) {
-  const bool serves = !options.prepare_only && !options.render && !options.encode;
-  if (serves) checkResultFiles({options.output / "cameras.json"});
+  if (options.serves()) checkResultFiles({options.output / "cameras.json"});
   if (!options.recording.empty()) {
-    if (!serves)
+    if (!options.serves())
       throw std::runtime_error("--recording is encoded already: there is nothing to prepare or to write");
     const RecordedDrive drive(options.recording, options.seconds, options.encoder);
     return serve(options, drive, drive.streams());
@@ -214,7 +213,7 @@ void run(const SimulateOptions& options) {
     recordFolder(options.output, *content, *streams);
     std::printf("%d pairs: %s\n", content->pairCount(), options.output.c_str());
   }
-  if (serves) serve(options, *content, streams);
+  if (options.serves()) serve(options, *content, streams);
 }
 
 }  // namespace
@@ -243,8 +242,7 @@ void addSimulateCommand(Command cartvo) {
       "  cartvo simulate --sequence ../shared/data/kitti_06   a recorded sequence\n"
       "  cartvo simulate --render --output-dir drive          an image folder instead of streams");
   command.callback([options, names_content] {
-    const bool makes_files = options->render || options->encode || options->prepare_only;
-    if (!names_content() && !makes_files) options->recording = sampleDrive();
+    if (options->serves() && !names_content()) options->recording = sampleDrive();
     run(*options);
   });
 }

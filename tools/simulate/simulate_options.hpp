@@ -54,6 +54,9 @@ struct SimulateOptions {
   bool prepare_only = false;
   bool render = false;
   bool encode = false;
+
+  /// Whether cameras are served: not if only files are made.
+  bool serves() const { return !prepare_only && !render && !encode; }
 };
 
 /// Parses WIDTHxHEIGHT. Throws std::invalid_argument that quotes the text.

@@ -110,8 +110,8 @@ std::optional<Eigen::Isometry3d> VisualTrack::motionByLongerReadouts(Draft& draf
   return poses[poses.size() - 2].T_world_camera.inverse() * poses.back().T_world_camera;
 }
 
-/// The landmarks have the error of the readouts that they were seen with: it fades as the window is
-/// exchanged, and does not end with the uncertainty of the readouts.
+/// The landmarks have the error of the readouts that they were seen with: it fades as other errors that
+/// motions share do, and does not end with the uncertainty of the readouts.
 void VisualTrack::keepReadoutError(Draft& draft, Vector6d& error) const {
   Vector6d& kept = draft.estimates.readout_error;
   kept *= std::exp(-1.0 / settings_.uncertainty.drift_correlation_pairs);

@@ -110,7 +110,7 @@ TEST_F(RecordedDriveTest, IsReplayedByCartvo) {
   const test::CommandResult run =
       test::runCartvo("replay " + drive_.string() + " --output-dir " + (folder_ / "out").string());
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("12"));
+  EXPECT_THAT(run.output, HasSubstr("12 pairs"));
 }
 
 TEST(SampleDrive, IsPlayedWithoutOptions) {

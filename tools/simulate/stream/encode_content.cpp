@@ -17,6 +17,17 @@ AccessUnit append(EncodedStream& stream, const EncodedPicture& picture, std::int
   return unit;
 }
 
+/// Encodes one key-frame interval of `image` as the stream's lead-in.
+void addLeadIn(EncodedStream& stream, const cv::Mat& image, const EncoderSettings& settings) {
+  StreamEncoder encoder(settings, stream.size, stream.frame_rate);
+  const int count =
+      std::max(1, static_cast<int>(std::lround(settings.key_frame_interval * stream.frame_rate)));
+  for (int index = 0; index < count; ++index) {
+    stream.lead_in.push_back(
+        append(stream, encoder.encode(image), std::llround(index * 1e9 / stream.frame_rate)));
+  }
+}
+
 /// Builds the stream of one camera.
 class StreamWriter {
  public:
@@ -48,16 +59,6 @@ class StreamWriter {
 };
 
 }  // namespace
-
-void addLeadIn(EncodedStream& stream, const cv::Mat& image, const EncoderSettings& settings) {
-  StreamEncoder encoder(settings, stream.size, stream.frame_rate);
-  const int count =
-      std::max(1, static_cast<int>(std::lround(settings.key_frame_interval * stream.frame_rate)));
-  for (int index = 0; index < count; ++index) {
-    stream.lead_in.push_back(
-        append(stream, encoder.encode(image), std::llround(index * 1e9 / stream.frame_rate)));
-  }
-}
 
 void addBlankLeadIn(EncodedStream& stream, const EncoderSettings& settings) {
   constexpr double kGrey = 128;

@@ -11,11 +11,8 @@ namespace cartvo::simulate {
 /// Called after each pair with the number done and the total. May throw to cancel.
 using Progress = std::function<void(int done, int total)>;
 
-/// Encodes one key-frame interval of `image` as the stream's lead-in, so that it can be repeated. `stream`
-/// has its size and rate.
-void addLeadIn(EncodedStream& stream, const cv::Mat& image, const EncoderSettings& settings);
-
-/// As above, of a grey picture.
+/// Encodes one key-frame interval of a grey picture as the stream's lead-in, so that it can be repeated.
+/// `stream` has its size and rate.
 void addBlankLeadIn(EncodedStream& stream, const EncoderSettings& settings);
 
 /// Encodes the pictures of both cameras, each after a lead-in: the first picture, or a blank one if the

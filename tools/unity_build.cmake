@@ -1,4 +1,4 @@
-# CARTVO_UNITY: compiles several sources of a target as one. The compiler reads the headers of libraries once for all of
+# With CARTVO_UNITY: compiles several sources of a target as one. The compiler reads the headers of libraries once for all of
 # them, and instantiates their templates once. In such a source, GCC warns of types in unnamed namespaces as if they were
 # in headers.
 target_compile_options(cartvo_build_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)

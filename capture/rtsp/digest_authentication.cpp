@@ -151,7 +151,7 @@ std::string hash(const std::string& algorithm, const std::string& text) {
   return hexadecimal(digest.data(), digest.size());
 }
 
-std::string quoted(std::string_view text) {
+std::string inQuotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -235,13 +235,13 @@ std::string digestAuthorization(const Challenge& challenge, const Credentials& c
   const std::string response =
       hash(algorithm, challenge.has_qop ? joined({ha1, challenge.nonce, count, cnonce, "auth", ha2})
                                         : joined({ha1, challenge.nonce, ha2}));
-  std::string value = "Digest username=" + quoted(credentials.user) + ", realm=" + quoted(challenge.realm) +
-                      ", nonce=" + quoted(challenge.nonce) + ", uri=" + quoted(url) +
-                      ", response=" + quoted(response);
+  std::string value = "Digest username=" + inQuotes(credentials.user) + ", realm=" + inQuotes(challenge.realm) +
+                      ", nonce=" + inQuotes(challenge.nonce) + ", uri=" + inQuotes(url) +
+                      ", response=" + inQuotes(response);
   if (!challenge.algorithm.empty()) value += ", algorithm=" + algorithm + (has_session ? "-sess" : "");
-  if (challenge.has_opaque) value += ", opaque=" + quoted(challenge.opaque);
+  if (challenge.has_opaque) value += ", opaque=" + inQuotes(challenge.opaque);
   if (challenge.has_qop) value.append(", qop=auth, nc=").append(count);
-  if (challenge.has_qop || has_session) value += ", cnonce=" + quoted(cnonce);
+  if (challenge.has_qop || has_session) value += ", cnonce=" + inQuotes(cnonce);
   return value;
 }
 

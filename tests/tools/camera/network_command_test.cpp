@@ -42,7 +42,7 @@ void writeFile(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
-std::string quoted(const fs::path& file) {
+std::string inQuotes(const fs::path& file) {
   return "'" + file.string() + "'";
 }
 
@@ -121,7 +121,7 @@ TEST(CameraPorts, FindNetworksOfTheComputerThatOverlap) {
 
 TEST(CameraNetwork, WritesTheFilesThatAreInstalledAsExamples) {
   const test::TemporaryFolder etc;
-  const CommandResult run = runCartvo(kTwoPorts + (" --output-dir " + quoted(etc.path())));
+  const CommandResult run = runCartvo(kTwoPorts + (" --output-dir " + inQuotes(etc.path())));
   ASSERT_EQ(run.exit_code, 0) << run.output;
   std::size_t written = 0;
   for (const auto& entry : fs::recursive_directory_iterator(etc.path())) {
@@ -137,7 +137,7 @@ TEST(CameraNetwork, WritesTheFilesThatAreInstalledAsExamples) {
 TEST(CameraNetwork, WritesFilesThatEachUserCanRead) {
   const test::TemporaryFolder etc;
   const mode_t before = ::umask(077);
-  const CommandResult run = runCartvo(kTwoPorts + (" --output-dir " + quoted(etc / "etc")));
+  const CommandResult run = runCartvo(kTwoPorts + (" --output-dir " + inQuotes(etc / "etc")));
   ::umask(before);
   ASSERT_EQ(run.exit_code, 0) << run.output;
   for (const auto& entry : fs::recursive_directory_iterator(etc / "etc")) {
@@ -149,7 +149,7 @@ TEST(CameraNetwork, ReplacesOtherFilesOnlyByForce) {
   const test::TemporaryFolder etc;
   const fs::path mine = etc / "systemd/network/10-cartvo-right.network";
   writeFile(mine, "mine\n");
-  const std::string command = kTwoPorts + (" --output-dir " + quoted(etc.path()));
+  const std::string command = kTwoPorts + (" --output-dir " + inQuotes(etc.path()));
   const CommandResult refused = runCartvo(command);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.output, AllOf(HasSubstr(mine.string()), HasSubstr("--force")));
@@ -166,7 +166,7 @@ TEST(CameraNetwork, PrintsAndTakesAddressesFromTheConfiguration) {
   const test::TemporaryFolder folder;
   writeFile(folder / "cartvod.yaml",
             "cameras:\n  left: {url: 'rtsp://10.77.1.64/1'}\n  right: {url: 'rtsp://10.77.1.65/1'}\n");
-  const std::string config = " --config " + quoted(folder / "cartvod.yaml");
+  const std::string config = " --config " + inQuotes(folder / "cartvod.yaml");
   const CommandResult run = runCartvo("camera network --interface cartvo-none" + config);
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("==> /etc/systemd/network/10-cartvo-cameras.network <=="),
@@ -180,7 +180,7 @@ TEST(CameraNetwork, SaysWhichAddressIsMissing) {
   writeFile(folder / "cartvod.yaml",
             "cameras:\n  left: {url: 'rtsp://left-camera.lan/1'}\n  right: {url: 'v4l2:/dev/video1'}\n");
   const std::string command =
-      "camera network --interface cartvo-none --config " + quoted(folder / "cartvod.yaml");
+      "camera network --interface cartvo-none --config " + inQuotes(folder / "cartvod.yaml");
   EXPECT_THAT(runCartvo(command).output, AllOf(HasSubstr("'left-camera.lan'"), HasSubstr("--left-camera")));
   EXPECT_THAT(runCartvo(command + " --left-camera 10.77.1.64").output, HasSubstr("V4L2"));
 }

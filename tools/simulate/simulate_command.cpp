@@ -14,6 +14,7 @@
 #include "common/atomic_file.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/units.hpp"
+#include "lab/render/rendered_world.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -26,7 +27,6 @@
 #include "tools/simulate/server/generated_password.hpp"
 #include "tools/simulate/simulate_options.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <opencv2/core/types.hpp>
 
+#include "lab/render/world_settings.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
-#include "tools/world/world_settings.hpp"
 
 namespace cartvo {
 

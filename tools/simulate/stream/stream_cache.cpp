@@ -43,8 +43,8 @@ std::uint64_t bytesIn(const fs::path& folder) {
   return bytes;
 }
 
-/// Streams and drives in a folder; also what killed runs left, whose names continue after the extension.
-/// What may be being written is left out.
+/// Streams and drives in a folder; also those that killed runs left, whose names continue after the
+/// extension. A drive that may be being written is left out.
 std::vector<Entry> entriesOf(const fs::path& folder) {
   constexpr std::chrono::hours kLongestRendering{24};
   std::vector<Entry> entries;

@@ -24,7 +24,7 @@ HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
 MOST_WORDS = {ROOT / "docs/architecture.md": 4000, HOW_IT_WORKS: 3000}
 USER_PAGES_MOST_WORDS = 20_000  # together
 NO_USER_PAGES = {*MOST_WORDS, ROOT / "docs/glossary.md"}
-FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|library|python|systemd|tests|tools|vo_core"
+FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|lab|library|python|systemd|tests|tools|vo_core"
 MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 
 
@@ -257,7 +257,7 @@ def commands_of_page(page):
             elif prompt := re.match(r"\s*[$#] (.+)", line):
                 yield prompt[1]
     for span in re.findall(r"`([^`]+)`", without_code_blocks(text)):
-        if re.match(r"(cartvod?|tools/\w+)( |$)", span):
+        if re.match(r"(cartvod?|cartvo-render|tools/\w+)( |$)", span):
             yield " ".join(span.split())
 
 
@@ -322,6 +322,9 @@ def main():
         if not program.is_file():
             sys.exit(f"check_docs: {program} does not exist: build it (tools/build), or name it")
     programs = {"cartvo": Program(cartvo), "cartvod": Program(cartvod)}
+    renderer = cartvo.parent.parent.parent / "lab/render/cartvo-render"
+    if renderer.is_file():
+        programs["cartvo-render"] = Program(renderer)
     pages, man_pages = files("*.md"), files("docs/man/*")
     pictures = files(*(f"{PICTURES.relative_to(ROOT)}/*.{kind}" for kind in ("png", "svg")))
     shown = {file for page in pages for _, file, _ in links_of(page)}

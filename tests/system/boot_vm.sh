@@ -25,7 +25,7 @@ done
 build_programs() { # the package, and what the checks need beside it
   tools/setup
   cmake --preset release >"$work/build.log"
-  cmake --build --preset release --target cartvo --target cartvo_capture_link_tests >>"$work/build.log"
+  cmake --build --preset release --target cartvo --target cartvo-render --target cartvo_capture_link_tests >>"$work/build.log"
   [ -n "${CARTVO_VM_DEB:-}" ] || tools/package "$work/package" >>"$work/build.log"
   package=${CARTVO_VM_DEB:-$(echo "$work"/package/cartvo_*.deb)}
 }
@@ -61,12 +61,10 @@ install_check() {
   ln -sf ../in-vm.service "$root/etc/systemd/system/multi-user.target.wants/in-vm.service"
   # A getty would disconnect the serial line of the console.
   ln -sf /dev/null "$root/etc/systemd/system/serial-getty@ttyS0.service"
-  # Rendering is slow under emulation: render the cameras' streams here, into the machine's cache.
-  build/release/tools/cartvo/cartvo simulate "${content[@]}" --prepare-only --cache-dir "$work/streams"
+  # Rendering is slow under emulation: render the cameras' drive here.
   rm -rf "$root/var/lib/simulation"
   install -d "$root/var/lib/simulation"
-  cp -r "$work/streams" "$root/var/lib/simulation/streams"
-  printf '%s\n' "${content[@]}" >"$root/var/lib/simulation/content"
+  build/release/tools/cartvo/cartvo simulate "${content[@]}" --encode --output-dir "$root/var/lib/simulation/drive"
   rm -rf "$work/v4l2"
   build/release/tools/cartvo/cartvo simulate --world stop_and_go --seconds 1 --size 320x180 --frame-rate 2 --offset-ms 0 --readout-ms 0 \
     --render --output-dir "$work/v4l2"

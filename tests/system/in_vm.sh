@@ -80,13 +80,12 @@ received() { # received SECONDS COMPARISON...: such as 'valid -gt 10', on the su
 
 # --- the two simulated cameras, each at its own address
 
-mapfile -t content <$simulation/content # what boot_vm.sh rendered
 readonly left_address=127.0.0.1 right_address=127.0.0.2
 cameras_on() {
   local before
   before=$(journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p')
-  systemd-run --quiet --collect --unit=cameras -E HOME=/root cartvo simulate "${content[@]}" --loop \
-    --cache-dir "$simulation/streams" --output-dir "$simulation" \
+  systemd-run --quiet --collect --unit=cameras -E HOME=/root cartvo simulate --recording $simulation/drive --loop \
+    --output-dir "$simulation" \
     --left-address $left_address:8554 --right-address $right_address:8554
   await 120 are_serving "$before"
 }

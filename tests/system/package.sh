@@ -118,6 +118,11 @@ is_not_enabled() { [ -z "$(find "$root/etc/systemd/system" -name 'cartvo*')" ]; 
 has_user() { inside id cartvo && grep -q '^cartvo:.*:/usr/sbin/nologin$' "$root/etc/passwd"; }
 has_no_user() { ! grep -q '^cartvo:' "$root/etc/passwd" "$root/etc/group"; }
 has_only_the_two_programs() { [ "$(inside dpkg -L cartvo | grep bin/ | sort | xargs)" = "/usr/bin/cartvo /usr/bin/cartvod" ]; }
+renders() { # beside cartvo, which finds it
+  install_packages "/packages/cartvo-lab_${version}_$(dpkg --print-architecture).deb" &&
+    inside cartvo simulate --render --seconds 0.1 --size 64x48 --output-dir /tmp/rendered && inside man -w cartvo-render &&
+    inside apt-get remove -y cartvo-lab
+}
 has_man_pages() {
   local page
   for page in cartvo cartvod cartvod.yaml cartvo-watch cartvo-calibrate; do
@@ -201,6 +206,7 @@ check "the configuration as delivered misses a rig: exit 2" is_checked
 check "with the example rig and passwords it is in order" accepts_a_rig
 check "man and bash-completion install beside it" install_packages man-db bash-completion
 check "the man pages are found" has_man_pages
+check "with cartvo-lab beside it, it renders a drive" renders
 check "bash completes" completes
 check "chronyd accepts the example file" chrony_accepts_its_file
 

@@ -9,12 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lab/render/world_settings.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/world_sets.hpp"
 #include "tools/cartvo/work_display.hpp"
 #include "tools/report/table.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
-#include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo {

@@ -7,9 +7,9 @@
 
 #include "capture/dataset/image_folder.hpp"
 #include "daemon/pipeline/body_motion.hpp"
+#include "lab/render/rendered_world.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/simulate/truth.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo::benchmark {
 namespace fs = std::filesystem;

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "lab/render/world_settings.hpp"
 #include "tools/benchmark/world_cache.hpp"
 #include "tools/benchmark/world_sets.hpp"
 #include "tools/trajectory/trajectory.hpp"
-#include "tools/world/world_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo::benchmark {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
+#include "lab/render/rendered_world.hpp"
 #include "tools/simulate/stream/encode_content.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo::benchmark {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/world/world_settings.hpp"
+#include "lab/render/world_settings.hpp"
 
 // The one place that says which rendered worlds may choose a number of the estimator and which report it.
 // Each scenario and each seed belongs to exactly one set, so that the sets share neither.

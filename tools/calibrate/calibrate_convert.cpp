@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,9 +15,9 @@
 #include "calib/rectification/rectification.hpp"
 #include "common/atomic_file.hpp"
 #include "common/command_line/parser.hpp"
+#include "common/image_size.hpp"
 #include "tools/calibrate/next_step.hpp"
 #include "tools/cartvo/json_text.hpp"
-#include "tools/simulate/simulate_options.hpp"
 
 namespace cartvo {
 namespace {
@@ -75,9 +77,15 @@ void warnOfLostMasks(const calib::Rig& rig, calib::RigFormat format) {
                calib::rigFormatNames()[static_cast<std::size_t>(format)].c_str());
 }
 
+cv::Size parsedSize(const std::string& text) {
+  const std::optional<cv::Size> size = parseImageSize(text);
+  if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
+  return *size;
+}
+
 void run(const Options& options) {
   calib::RigReading reading;
-  if (!options.image_size.empty()) reading.image_size = parseSize(options.image_size);
+  if (!options.image_size.empty()) reading.image_size = parsedSize(options.image_size);
   reading.unusual_geometry = options.unusual_geometry;
   const calib::Rig rig = calib::readRigFiles(options.files, reading);
   // Rejects a rig that cannot be rectified now, not at the daemon's start.

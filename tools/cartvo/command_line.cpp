@@ -179,8 +179,7 @@ std::string commandLineError(Command cartvo, const CommandLineError& error) {
   Chain chain{cartvo};
   while (const std::optional<Command> command = chain.back().givenSubcommand())
     chain.push_back(*command);
-  return std::string("cartvo: ") + reasonOf(error) + "\n'" + textOf(chain) +
-         " --help' explains the command.\n";
+  return cartvo.name() + ": " + reasonOf(error) + "\n'" + textOf(chain) + " --help' explains the command.\n";
 }
 
 }  // namespace cartvo

@@ -22,7 +22,7 @@ std::string unknownWord(Command cartvo, const std::vector<std::string>& argument
 /// excludes.
 void refuseUnusableValues(Command command);
 
-/// The error message of a wrong command line: "cartvo: REASON", and the command whose --help explains it.
+/// The error message of a wrong command line: "PROGRAM: REASON", and the command whose --help explains it.
 std::string commandLineError(Command cartvo, const CommandLineError& error);
 
 }  // namespace cartvo

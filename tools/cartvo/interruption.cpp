@@ -8,10 +8,10 @@
 namespace cartvo {
 namespace {
 
-volatile std::sig_atomic_t received = 0;
+volatile std::sig_atomic_t received_signal = 0;
 
 void note(int signal) {
-  received = signal;
+  received_signal = signal;
 }
 
 /// An ignored signal stays ignored, as SIGHUP under nohup and SIGINT of a job in the background.
@@ -27,7 +27,7 @@ void replaceAction(int signal, struct sigaction& before) {
 }  // namespace
 
 Interruption::Interruption() {
-  received = 0;
+  received_signal = 0;
   replaceAction(SIGINT, interrupt_);
   replaceAction(SIGTERM, terminate_);
   replaceAction(SIGHUP, hang_up_);
@@ -40,10 +40,14 @@ Interruption::~Interruption() {
 }
 
 void Interruption::check() const {
-  if (received == 0) return;
+  if (received() == 0) return;
   constexpr int kSignalBase = 128;  // as shells report a program that a signal ended
   std::fputs("\ncartvo: interrupted; nothing was written\n", stderr);
-  throw ExitCode(kSignalBase + received);
+  throw ExitCode(kSignalBase + received());
+}
+
+int Interruption::received() const {
+  return received_signal;
 }
 
 }  // namespace cartvo

@@ -18,6 +18,9 @@ class Interruption {
   /// signal.
   void check() const;
 
+  /// The signal that was received; 0: none.
+  int received() const;
+
  private:
   struct sigaction interrupt_ {
   }, terminate_{}, hang_up_{};  ///< before

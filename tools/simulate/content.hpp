@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -29,6 +30,10 @@ class ContentDescription {
   /// As truth(), and between the left instants too where the motion is known there: motions faster than half
   /// the frame rate, such as vibrations, have a velocity that the poses at the left instants do not show.
   virtual Trajectory denseTruth() const { return truth(); }
+
+  /// The texts of rig.yaml, times_0.txt, times_1.txt, poses.txt and truth.tum by their names, if the drive
+  /// was read from them: written again from its numbers, they could differ in the last digits.
+  virtual std::map<std::string, std::string> writtenFiles() const { return {}; }
 };
 
 /// A drive as pictures: a rendered world or a recorded image sequence.

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +23,8 @@ namespace cartvo::simulate {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kTruthFile = "truth.tum";
+
 std::string decimalSeconds(std::int64_t time_ns) {
   const std::int64_t magnitude = time_ns < 0 ? -time_ns : time_ns;
   char text[40];
@@ -28,6 +32,21 @@ std::string decimalSeconds(std::int64_t time_ns) {
                 static_cast<long long>(magnitude / 1'000'000'000),
                 static_cast<long long>(magnitude % 1'000'000'000));
   return text;
+}
+
+/// The text of a trajectory in TUM's format with `by_ns` added to its instants, which have nine decimals and
+/// are not negative.
+std::string shiftedTum(const std::string& text, std::int64_t by_ns) {
+  std::istringstream lines(text);
+  std::string shifted;
+  for (std::string line; std::getline(lines, line); shifted += line + "\n") {
+    if (line.starts_with('#')) continue;
+    const std::size_t point = line.find('.'), end = line.find(' ');
+    const std::int64_t time_ns = std::stoll(line.substr(0, point)) * 1'000'000'000 +
+                                 std::stoll(line.substr(point + 1, end - point - 1));
+    line.replace(0, end, decimalSeconds(time_ns + by_ns));
+  }
+  return shifted;
 }
 
 void writeImage(const fs::path& folder, int index, const cv::Mat& image) {
@@ -76,6 +95,10 @@ capture::EncodedUnit recordedUnit(const EncodedStream& stream, std::size_t index
 
 void writeDescription(const fs::path& folder, const ContentDescription& drive) {
   createFolders(folder);
+  const std::map<std::string, std::string> written = drive.writtenFiles();
+  for (const auto& [name, text] : written)
+    if (name != kTruthFile) writeResultFile(folder / name, text);
+  if (!written.empty()) return;
   const calib::Rig rig = drive.rig();
   calib::writeRig(folder / "rig.yaml", rig);
   std::string left_times;
@@ -92,8 +115,11 @@ void writeDescription(const fs::path& folder, const ContentDescription& drive) {
 }
 
 void writeTruth(const fs::path& folder, const ContentDescription& drive, std::int64_t epoch_ns) {
+  const std::map<std::string, std::string> written = drive.writtenFiles();
+  if (!written.empty())
+    return writeResultFile(folder / kTruthFile, shiftedTum(written.at(kTruthFile), epoch_ns));
   const Trajectory truth = drive.denseTruth();
-  if (!truth.empty()) writeTum(folder / "truth.tum", shifted(truth, epoch_ns), TrajectoryFrame::body);
+  if (!truth.empty()) writeTum(folder / kTruthFile, shifted(truth, epoch_ns), TrajectoryFrame::body);
 }
 
 void renderFolder(const fs::path& folder, const Content& content, const Progress& progress) {

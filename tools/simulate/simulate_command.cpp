@@ -1,19 +1,24 @@
 // `cartvo simulate`: two RTSP cameras that show a rendered drive or a recorded sequence with ground truth.
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "capture/rtsp/password_file.hpp"
 #include "common/atomic_file.hpp"
 #include "common/command_line/parser.hpp"
-#include "common/units.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -21,12 +26,13 @@
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
 #include "tools/simulate/recorded_drive.hpp"
+#include "tools/simulate/rendered_drive.hpp"
+#include "tools/simulate/renderer.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 #include "tools/simulate/server/generated_password.hpp"
 #include "tools/simulate/simulate_options.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo {
 namespace {
@@ -43,27 +49,6 @@ void stopOnSignals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-std::unique_ptr<Content> makeContent(const SimulateOptions& options) {
-  const CameraTiming timing = cameraTiming(options);
-  if (!options.sequence.empty()) {
-    return std::make_unique<SequenceContent>(options.sequence,
-                                             SequenceSettings{.seconds = options.seconds,
-                                                              .offset_s = timing.offset_ms * 1e-3,
-                                                              .offset_drift_ppm = timing.offset_drift_ppm});
-  }
-  world::WorldSettings settings = options.drive;
-  settings.scenario = world::scenarioFromName(options.world);
-  if (options.seconds > 0.0) settings.seconds = options.seconds;
-  settings.image_size = parseSize(options.size);
-  settings.focal_length *= settings.image_size.width / 680.0;  // same field of view at any size
-  settings.offset_s = timing.offset_ms * 1e-3;
-  settings.offset_drift_ppm = timing.offset_drift_ppm;
-  settings.left_readout = timing.readouts.left;
-  settings.right_readout = timing.readouts.right;
-  settings.shake.amplitude = options.shake_degrees * kRadiansPerDegree;
-  return std::make_unique<world::RenderedWorld>(settings);
-}
-
 void printLine(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
@@ -74,23 +59,36 @@ void warnOfCache(const std::string& problem) {
                problem.c_str());
 }
 
+StreamCache cacheOf(const SimulateOptions& options) {
+  return {options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9)};
+}
+
+/// Why nothing can be cached; empty if it can, or is not wanted. Throws std::runtime_error if caching is all
+/// that is wanted.
+std::string problemOf(const StreamCache& cache, const SimulateOptions& options) {
+  const std::string problem = options.no_cache ? "" : cache.problem();
+  if (!problem.empty() && options.prepare_only)
+    throw std::runtime_error(problem + "; name another --cache-dir");
+  return problem;
+}
+
 std::shared_ptr<const EncodedPair> prepareStreams(const Content& content, const SimulateOptions& options) {
   const std::string key = content.cacheKey() + "\n" + encoderKey(options.encoder);
-  const StreamCache cache(options.cache_dir, static_cast<std::uint64_t>(options.cache_gigabytes * 1e9));
+  const StreamCache cache = cacheOf(options);
   if (!options.no_cache) {
     if (auto cached = cache.load(key)) {
       printLine("streams: cached in " + cache.fileFor(key).string());
       return std::make_shared<const EncodedPair>(*std::move(cached));
     }
   }
-  const std::string problem = options.no_cache ? "" : cache.problem();
-  if (!problem.empty() && options.prepare_only)
-    throw std::runtime_error(problem + "; name another --cache-dir");
+  const std::string problem = problemOf(cache, options);
   if (!problem.empty()) warnOfCache(problem);
-  printLine(options.sequence.empty() ? "rendering and encoding" : "encoding");
+  printLine("encoding");
+  const Interruption interruption;
   ProgressBar bar("pairs");
-  auto streams = std::make_shared<const EncodedPair>(
-      encodeContent(content, options.encoder, [&bar](int done, int total) {
+  auto streams =
+      std::make_shared<const EncodedPair>(encodeContent(content, options.encoder, [&](int done, int total) {
+        interruption.check();
         bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
       }));
   if (options.no_cache || !problem.empty()) return streams;
@@ -122,9 +120,12 @@ void writeCameras(const SimulateOptions& options, const ContentDescription& driv
       {"readout_ms", {1e3 * rig.left.readout.value_or(0.0), 1e3 * rig.right.readout.value_or(0.0)}},
       {"content", nameOfContent(options)}};
   if (options.recording.empty()) {
-    const CameraTiming timing = cameraTiming(options);
-    cameras["offset_ms"] = timing.offset_ms;
-    cameras["offset_drift_ppm"] = timing.offset_drift_ppm;
+    const int last = drive.pairCount() - 1;
+    const double first_ns = static_cast<double>(drive.rightInstant(0) - drive.leftInstant(0));
+    const double last_ns = static_cast<double>(drive.rightInstant(last) - drive.leftInstant(last));
+    const double length_ns = static_cast<double>(std::max<std::int64_t>(1, drive.leftInstant(last)));
+    cameras["offset_ms"] = first_ns * 1e-6;
+    cameras["offset_drift_ppm"] = std::round((last_ns - first_ns) / length_ns * 1e9) * 1e-3;
     cameras["bitrate_kbps"] = options.encoder.bitrate_kbps;
   }
   // times_0.txt and times_1.txt are relative to this system time.
@@ -188,7 +189,7 @@ void serve(const SimulateOptions& options, const ContentDescription& drive,
   printLine(simulation.isFinished() ? "end of content" : "stopped");
 }
 
-void renderPictures(const SimulateOptions& options, const Content& content) {
+void writePictures(const SimulateOptions& options, const Content& content) {
   const Interruption interruption;
   ProgressBar bar("pairs");
   renderFolder(options.output, content, [&](int done, int total) {
@@ -196,6 +197,66 @@ void renderPictures(const SimulateOptions& options, const Content& content) {
     bar.show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
   });
   std::printf("%d pairs: %s\n", content.pairCount(), options.output.c_str());
+}
+
+void encodeAndServe(const SimulateOptions& options, const Content& content) {
+  const std::shared_ptr<const EncodedPair> streams = prepareStreams(content, options);
+  if (options.encode) {
+    recordFolder(options.output, content, *streams);
+    std::printf("%d pairs: %s\n", content.pairCount(), options.output.c_str());
+  }
+  if (options.serves()) serve(options, content, streams);
+}
+
+/// A folder that the destructor removes.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "cartvo-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error(name +
+                               ": the folder cannot be made: " + std::generic_category().message(errno));
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+void renderInto(const Renderer& renderer, const fs::path& folder, const SimulateOptions& options) {
+  std::vector<std::string> arguments = rendererArguments(options);
+  arguments.push_back("--output-dir=" + folder.string());
+  if (options.render) return renderer.run(arguments);
+  printLine("rendering");
+  renderer.outputOf(arguments);
+}
+
+/// Renders a drive, or takes it from the cache, and encodes it.
+void runWorld(const SimulateOptions& options) {
+  const Renderer renderer;
+  if (options.render) return renderInto(renderer, options.output, options);
+  std::vector<std::string> arguments = rendererArguments(options);
+  arguments.emplace_back("--print-key");
+  const std::string output = renderer.outputOf(arguments);
+  const std::string key = output.substr(0, output.find('\n'));
+  const StreamCache cache = cacheOf(options);
+  const bool is_cached = problemOf(cache, options).empty() && !options.no_cache;
+  const auto serve_folder = [&](const fs::path& folder) {
+    encodeAndServe(options, RenderedDrive(folder, options.frame_rate, key));
+  };
+  const auto render = [&](const fs::path& folder) { renderInto(renderer, folder, options); };
+  if (is_cached) return serve_folder(cache.driveFolder(key, render));
+  const TemporaryFolder temporary;
+  render(temporary.path() / "drive");
+  serve_folder(temporary.path() / "drive");
 }
 
 void run(const SimulateOptions& options) {
@@ -206,14 +267,13 @@ void run(const SimulateOptions& options) {
     const RecordedDrive drive(options.recording, options.seconds, options.encoder);
     return serve(options, drive, drive.streams());
   }
-  const std::unique_ptr<Content> content = makeContent(options);
-  if (options.render) return renderPictures(options, *content);
-  const std::shared_ptr<const EncodedPair> streams = prepareStreams(*content, options);
-  if (options.encode) {
-    recordFolder(options.output, *content, *streams);
-    std::printf("%d pairs: %s\n", content->pairCount(), options.output.c_str());
-  }
-  if (options.serves()) serve(options, *content, streams);
+  if (options.sequence.empty()) return runWorld(options);
+  const SequenceContent content(options.sequence,
+                                SequenceSettings{.seconds = options.seconds,
+                                                 .offset_s = options.offset_ms.value_or(0.0) * 1e-3,
+                                                 .offset_drift_ppm = options.offset_drift_ppm.value_or(0.0)});
+  if (options.render) return writePictures(options, content);
+  encodeAndServe(options, content);
 }
 
 }  // namespace
@@ -233,6 +293,7 @@ void addSimulateCommand(Command cartvo) {
       "Exits with code 0 after the content, or on SIGTERM.\n"
       "By default rendered cameras are as users have them: wide lenses, rolling shutters, free-running "
       "clocks.\n"
+      "Rendering needs the program cartvo-render of the package cartvo-lab.\n"
       "Examples:\n"
       "  cartvo simulate                                      the sample drive; nothing is rendered\n"
       "  cartvo simulate --world campus                       a rendered drive of six seconds\n"

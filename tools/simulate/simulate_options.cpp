@@ -2,14 +2,11 @@
 #include "tools/simulate/simulate_options.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <optional>
+#include <array>
+#include <charconv>
 #include <stdexcept>
-#include <vector>
 
 #include "common/command_line/parser.hpp"
-#include "common/image_size.hpp"
-#include "tools/cartvo/readout_option.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 
 namespace cartvo {
@@ -31,77 +28,48 @@ auto validatorFor(Parse parse) {
   };
 }
 
-/// Options of the drive's motion and of the rolling shutter, to which it matters.
-void addMotionOptions(Command group, SimulateOptions& options, Option sequence) {
-  group
-      .addOption("--liveliness", options.drive.liveliness,
-                 "How lively the drive is, from 0 to 1: it weaves, meets kerbs and bumps, accelerates\n"
-                 "and brakes briskly (not motorway)")
-      .range(0.0, 1.0)
-      .excludes(sequence)
-      .captureDefault();
-  group
-      .addOption("--start-at", options.drive.start_seconds,
-                 "Instant of the drive, s, at which the pictures begin (default: 0, at standstill; of\n"
-                 "a lively drive: 5, in motion)")
-      .range(0.0, 3600.0)
-      .excludes(sequence);
-  addReadoutOption(group, options.readout_ms, "default: 32, or 0.96 of a shorter frame period")
-      .excludes(sequence);
-  const Option frequency = group
-                               .addOption("--shake-hz", options.drive.shake.frequency,
-                                          "Frequency at which the rendered cameras' mount vibrates")
-                               .range(0.1, 50.0)
-                               .excludes(sequence);
-  const Option amplitude =
-      group
-          .addOption("--shake-degrees", options.shake_degrees,
-                     "Amplitude of that vibration in pitch; that in roll is 0.6 of it. The true poses\n"
-                     "contain it")
-          .range(0.0, 5.0)
-          .excludes(sequence);
-  frequency.needs(amplitude);
-  amplitude.needs(frequency);
+/// An option that only cartvo-render reads and checks.
+struct RenderingOption {
+  const char* name;
+  const char* type;
+  const char* description;
+};
+
+constexpr RenderingOption kRenderingOptions[] = {
+    {"--seed", "NUMBER", "Seed of the rendered world and its noise (default: 1)"},
+    {"--size", "WIDTHxHEIGHT",
+     "Size of the rendered images, px; the field of view does not change (default: 680x420)"},
+    {"--liveliness", "NUMBER", "How lively the drive is, from 0 (the default) to 1"},
+    {"--start-at", "SECONDS",
+     "Instant of the drive at which the pictures begin (default: 0, at standstill; of\n"
+     "a lively drive: 5, in motion)"},
+    {"--readout-ms", "BOTH|LEFT,RIGHT",
+     "Time from the exposure of the upper edge of a rendered image to that of the\n"
+     "lower one; 0: a global shutter (default: 32, or 0.96 of a shorter frame period)"},
+    {"--shake-hz", "HZ", "Frequency at which the rendered cameras' mount vibrates"},
+    {"--shake-degrees", "DEGREES", "Amplitude of that vibration in pitch"},
+};
+
+/// Number as text that is read back as the same number.
+std::string exactText(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
 }
 
-/// Returns the group.
-Command addContentOptions(Command command, SimulateOptions& options) {
-  std::string worlds;
-  for (const world::Scenario scenario : world::allScenarios()) {
-    worlds += (worlds.empty() ? "" : ", ") + std::string(world::scenarioName(scenario));
-  }
-  const auto group = command.addOptionGroup("Content", "What the cameras show");
-  const Option world = group.addOption("--world", options.world, "A rendered drive: " + worlds)
-                           .typeName("NAME")
-                           .check(validatorFor(world::scenarioFromName));
-  const Option sequence = group
-                              .addOption("--sequence", options.sequence,
-                                         "A recorded image sequence (KITTI or EuRoC layout), at its own rate")
-                              .typeName("DIR");
-  world.captureDefault();
-  sequence.excludes(world);
-  const Option recording =
-      group
-          .addOption("--recording", options.recording,
-                     "A recording of cartvod in H.264, or a drive by --encode (default: the sample\n"
-                     "drive, unless another option of this group is given)")
-          .typeName("DIR");
-  group
-      .addOption("--seconds", options.seconds,
-                 "Length in seconds (default: 6 if rendered, or the whole sequence or recording);\n"
-                 "a second takes some ten seconds to render, once")
-      .range(0.05, 36000.0);
-  group.addOption("--seed", options.drive.seed, "Seed of the rendered world and its noise").captureDefault();
-  group
-      .addOption("--size", options.size, "Size of the rendered images, px; the field of view does not change")
-      .typeName("WIDTHxHEIGHT")
-      .check(validatorFor(parseSize))
+void addRenderingOptions(Command group, SimulateOptions& options, Option sequence) {
+  group.addOption("--frame-rate", options.frame_rate, "Frame rate of the rendered cameras, Hz")
+      .range(1.0, 120.0)
+      .excludes(sequence)
       .captureDefault();
-  const Option rate =
-      group.addOption("--frame-rate", options.drive.frame_rate, "Frame rate of the rendered cameras, Hz")
-          .range(1.0, 120.0)
-          .captureDefault();
-  rate.excludes(sequence);
+  for (const RenderingOption& option : kRenderingOptions) {
+    group.addOption(option.name, options.rendering[option.name], option.description)
+        .typeName(option.type)
+        .excludes(sequence);
+  }
+}
+
+void addOffsetOptions(Command group, SimulateOptions& options) {
   group
       .addOption("--offset-ms", options.offset_ms,
                  "Time offset: right minus left exposure. For a sequence only the timestamps\n"
@@ -114,7 +82,36 @@ Command addContentOptions(Command command, SimulateOptions& options) {
                  "Relative excess of the right camera's frame period (default: see\n"
                  "--offset-ms)")
       .range(-kMaxDrift, kMaxDrift);
-  addMotionOptions(group, options, sequence);
+}
+
+/// Returns the group.
+Command addContentOptions(Command command, SimulateOptions& options) {
+  const auto group = command.addOptionGroup("Content", "What the cameras show");
+  const Option world =
+      group
+          .addOption("--world", options.world,
+                     "A drive that cartvo-render renders: campus, turns, traffic, stop_and_go, ...;\n"
+                     "'cartvo-render --help' names all, and explains its options that follow here")
+          .typeName("NAME")
+          .captureDefault();
+  const Option sequence = group
+                              .addOption("--sequence", options.sequence,
+                                         "A recorded image sequence (KITTI or EuRoC layout), at its own rate")
+                              .typeName("DIR");
+  sequence.excludes(world);
+  const Option recording =
+      group
+          .addOption("--recording", options.recording,
+                     "A recording of cartvod in H.264, or a drive by --encode (default: the sample\n"
+                     "drive, unless another option of this group is given)")
+          .typeName("DIR");
+  group
+      .addOption("--seconds", options.seconds,
+                 "Length in seconds (default: 6 if rendered, or the whole sequence or recording);\n"
+                 "a second takes some ten seconds to render, once")
+      .range(0.05, 36000.0);
+  addOffsetOptions(group, options);
+  addRenderingOptions(group, options, sequence);
   for (const Option& option : group.options())
     if (option.name() != recording.name() && option.name() != "--seconds") option.excludes(recording);
   return group;
@@ -181,32 +178,18 @@ void addFileOptions(Command command, SimulateOptions& options) {
 
 }  // namespace
 
-cv::Size parseSize(const std::string& text) {
-  const std::optional<cv::Size> size = parseImageSize(text);
-  if (!size) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT, such as 680x420");
-  return *size;
-}
-
-CameraTiming cameraTiming(const SimulateOptions& options) {
-  constexpr double kUsualReadout = 0.032;  // s, of sensors that run at 30 Hz whatever frame rate is set
-  constexpr double kReadoutShare = 0.96;   // of the frame period of a sensor
-  const bool is_rendered = options.sequence.empty();
-  const double period = 1.0 / options.drive.frame_rate;
-  CameraTiming timing;
-  if (!options.readout_ms.empty()) {
-    timing.readouts = parseReadouts(options.readout_ms);
-  } else if (is_rendered) {
-    timing.readouts.left = timing.readouts.right = std::min(kUsualReadout, kReadoutShare * period);
-  }
-  if (options.offset_ms || options.offset_drift_ppm || !is_rendered) {
-    timing.offset_ms = options.offset_ms.value_or(0.0);
-    timing.offset_drift_ppm = options.offset_drift_ppm.value_or(0.0);
-  } else {
-    const double seconds = options.seconds > 0.0 ? options.seconds : options.drive.seconds;
-    timing.offset_ms = -0.25e3 * period;
-    timing.offset_drift_ppm = std::min(1e6 * period / seconds, kMaxDrift);
-  }
-  return timing;
+std::vector<std::string> rendererArguments(const SimulateOptions& options) {
+  std::vector<std::string> arguments{"--world", options.world, "--frame-rate", exactText(options.frame_rate)};
+  const auto add = [&arguments](const char* name, const std::string& value) {
+    // Not as two words: a value may begin with a dash.
+    if (!value.empty()) arguments.push_back(name + ("=" + value));
+  };
+  if (options.seconds > 0.0) add("--seconds", exactText(options.seconds));
+  if (options.offset_ms) add("--offset-ms", exactText(*options.offset_ms));
+  if (options.offset_drift_ppm) add("--offset-drift-ppm", exactText(*options.offset_drift_ppm));
+  for (const auto& [name, value] : options.rendering)
+    add(name.c_str(), value);
+  return arguments;
 }
 
 std::function<bool()> addSimulateOptions(Command command, SimulateOptions& options) {

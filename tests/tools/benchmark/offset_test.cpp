@@ -6,10 +6,10 @@
 #include <opencv2/core.hpp>
 
 #include "support/daemon/alert_limits.hpp"
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "support/tools/silent.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/benchmark/offset/alternate_frames.hpp"
 #include "tools/benchmark/offset/offset_benchmark.hpp"
 #include "tools/benchmark/offset/offset_plot.hpp"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/silent.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/benchmark/robustness/robustness_benchmark.hpp"
 #include "tools/benchmark/robustness/robustness_report.hpp"
 

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/silent.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/benchmark/sensitivity/sensitivity_benchmark.hpp"
 #include "tools/benchmark/sensitivity/sensitivity_report.hpp"
 

@@ -8,10 +8,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "support/daemon/alert_limits.hpp"
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "support/tools/silent.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/encoded_source.hpp"
 #include "tools/benchmark/sequence.hpp"

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "support/daemon/alert_limits.hpp"
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/silent.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/benchmark/shutter/shutter_benchmark.hpp"
 #include "tools/benchmark/shutter/shutter_plot.hpp"
 #include "tools/benchmark/shutter/shutter_report.hpp"

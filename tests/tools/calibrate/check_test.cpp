@@ -7,11 +7,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/format/rig_file.hpp"
+#include "lab/render/rendered_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "tools/calibrate/check/row_check.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo::calibrate {
 namespace {

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "lab/render/rendered_world.hpp"
 #include "support/doctor/findings.hpp"
 #include "support/tools/wall_drive.hpp"
 #include "tools/doctor/picture_measures.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo::doctor {
 namespace {

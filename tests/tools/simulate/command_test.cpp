@@ -1,5 +1,6 @@
 // Tests of the command line of `cartvo simulate`.
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -85,6 +86,27 @@ TEST(SimulateCommand, RendersTheTimingThatIsWanted) {
   EXPECT_NEAR(wanted["readouts"][0], 0.0, 1e-9);
   EXPECT_NEAR(wanted["readouts"][1], -0.0305, 1e-9);
   EXPECT_NEAR(wanted["offset"], 0.012, 1e-6);
+}
+
+TEST(SimulateCommand, KeepsARenderedDriveInItsCache) {
+  const test::TemporaryFolder folder;
+  const std::string cached =
+      "simulate --size 64x48 --seconds 0.25 --frame-rate 8 --prepare-only --cache-dir " +
+      (folder / "cache").string() + " --bitrate-kbps ";
+  EXPECT_THAT(test::runCartvo(cached + "300").output, HasSubstr("rendering"));
+  const test::CommandResult again = test::runCartvo(cached + "400");
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.output, ::testing::AllOf(HasSubstr("encoding"), ::testing::Not(HasSubstr("rendering"))));
+  EXPECT_THAT(test::runCartvo(cached + "400").output, HasSubstr("streams: cached in"));
+}
+
+TEST(SimulateCommand, SaysWhatProvidesAMissingRenderer) {
+  const test::TemporaryFolder folder;  // the program alone
+  std::filesystem::copy_file(test::cartvoProgram(), folder / "cartvo");
+  const test::CommandResult run = test::runCommand("PATH=/nowhere " + (folder / "cartvo").string() +
+                                                   " simulate --world turns --prepare-only 2>&1");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.output, HasSubstr("install the package cartvo-lab, or build the target cartvo-render"));
 }
 
 TEST(SimulateCommand, CacheThatCannotBeWrittenIsAWarning) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "lab/render/world_settings.hpp"
 #include "tools/benchmark/accuracy/accuracy.hpp"
 #include "tools/cartvo/work_observer.hpp"
-#include "tools/world/world_settings.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo::benchmark {

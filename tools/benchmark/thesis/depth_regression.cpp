@@ -9,7 +9,7 @@
 #include "calib/model/lens.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
-#include "tools/world/rendered_world.hpp"
+#include "lab/render/rendered_world.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/stereo/stereo_matcher.hpp"
 #include "vo_core/tracking/adaptive_detector.hpp"

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "lab/render/world_settings.hpp"
 #include "tools/simulate/stream/encode_content.hpp"
-#include "tools/world/world_settings.hpp"
 
 namespace cartvo::benchmark {
 

@@ -2,10 +2,12 @@
 #include "tools/simulate/stream/stream_cache.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,43 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kExtension = ".streams";
+constexpr const char* kDriveExtension = ".drive";
+
+/// Something that was cached.
+struct Entry {
+  fs::path path;
+  std::uint64_t bytes = 0;
+  fs::file_time_type used;
+};
+
+std::uint64_t bytesIn(const fs::path& folder) {
+  std::uint64_t bytes = 0;
+  std::error_code ignored;  // another process may remove it meanwhile
+  for (fs::recursive_directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored)) {
+    if (const std::uint64_t size = entry->is_regular_file(ignored) ? entry->file_size(ignored) : 0;
+        size != static_cast<std::uintmax_t>(-1))
+      bytes += size;
+  }
+  return bytes;
+}
+
+/// Streams and drives in a folder; also those that killed runs left, whose names continue after the
+/// extension. A drive that may be being written is left out.
+std::vector<Entry> entriesOf(const fs::path& folder) {
+  constexpr std::chrono::hours kLongestRendering{24};
+  std::vector<Entry> entries;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_drive = entry.is_directory() && name.find(kDriveExtension) != std::string::npos;
+    if (!is_drive && !(entry.is_regular_file() && name.find(kExtension) != std::string::npos)) continue;
+    const fs::file_time_type used = entry.last_write_time();
+    if (is_drive && entry.path().extension() != kDriveExtension &&
+        used > fs::file_time_type::clock::now() - kLongestRendering)
+      continue;
+    entries.push_back({entry.path(), is_drive ? bytesIn(entry.path()) : entry.file_size(), used});
+  }
+  return entries;
+}
 
 }  // namespace
 
@@ -86,22 +125,34 @@ std::string StreamCache::problem() const {
   return {};
 }
 
-void StreamCache::makeRoomFor(std::uint64_t bytes) const {
-  std::vector<fs::directory_entry> files;
-  std::uint64_t total_bytes = bytes;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-    // Also counts temporary files of killed runs, whose names continue after the extension.
-    if (!entry.is_regular_file() || entry.path().filename().string().find(kExtension) == std::string::npos)
-      continue;
-    total_bytes += entry.file_size();
-    files.push_back(entry);
+fs::path StreamCache::driveFolder(const std::string& key,
+                                  const std::function<void(const fs::path&)>& render) const {
+  const fs::path folder = fileFor(key).replace_extension(kDriveExtension);
+  std::error_code problem;
+  if (!fs::is_directory(folder)) {
+    // Several processes may render the same drive.
+    const fs::path own = folder.string() + "." + std::to_string(getpid());
+    render(own);
+    fs::rename(own, folder, problem);
+    if (problem) fs::remove_all(own);
+    if (problem && !fs::is_directory(folder))
+      throw std::runtime_error(folder.string() + ": cannot be written: " + problem.message());
   }
-  std::sort(files.begin(), files.end(),
-            [](const auto& a, const auto& b) { return a.last_write_time() < b.last_write_time(); });
-  for (const fs::directory_entry& entry : files) {
+  fs::last_write_time(folder, fs::file_time_type::clock::now(),
+                      problem);  // for the least-recently-used order
+  return folder;
+}
+
+void StreamCache::makeRoomFor(std::uint64_t bytes) const {
+  std::vector<Entry> entries = entriesOf(folder_);
+  std::uint64_t total_bytes = bytes;
+  for (const Entry& entry : entries)
+    total_bytes += entry.bytes;
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.used < b.used; });
+  for (const Entry& entry : entries) {
     if (total_bytes <= max_bytes_) break;
-    total_bytes -= entry.file_size();
-    fs::remove(entry.path());
+    total_bytes -= entry.bytes;
+    fs::remove_all(entry.path);
   }
 }
 

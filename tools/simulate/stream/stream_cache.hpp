@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -9,11 +10,11 @@
 
 namespace cartvo::simulate {
 
-/// Disk cache of encoded streams by key. Files are written atomically; damaged files are detected and
-/// removed.
+/// Disk cache of encoded streams and of folders of rendered drives, by key. Files are written atomically;
+/// damaged files are detected and removed.
 class StreamCache {
  public:
-  /// `max_bytes`: limit for all files together; least recently used files are removed first.
+  /// `max_bytes`: limit for all together; the least recently used files and folders are removed first.
   StreamCache(std::filesystem::path folder, std::uint64_t max_bytes);
 
   /// $XDG_CACHE_HOME/cartvo, else ~/.cache/cartvo, else (without a home) a folder in the temporary directory.
@@ -31,6 +32,11 @@ class StreamCache {
 
   /// Path of the file for `key`, which need not exist.
   std::filesystem::path fileFor(const std::string& key) const;
+
+  /// The folder of the rendered drive `key`. If it is not there, `render` makes a folder of the given path,
+  /// which then takes the name.
+  std::filesystem::path driveFolder(const std::string& key,
+                                    const std::function<void(const std::filesystem::path&)>& render) const;
 
  private:
   void makeRoomFor(std::uint64_t bytes) const;

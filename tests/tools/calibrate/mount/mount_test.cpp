@@ -10,12 +10,12 @@
 
 #include "calib/format/rig_file.hpp"
 #include "common/units.hpp"
+#include "lab/render/rendered_world.hpp"
 #include "support/error_message.hpp"
+#include "support/lab/tiny_world.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
-#include "support/tools/tiny_world.hpp"
 #include "tools/simulate/content_files.hpp"
-#include "tools/world/rendered_world.hpp"
 
 namespace cartvo::calibrate {
 namespace {

@@ -72,5 +72,25 @@ TEST(StreamCache, RemovesLeastRecentlyUsedFiles) {
   EXPECT_TRUE(cache.load("3"));
 }
 
+TEST(StreamCache, RendersADriveOnceAndRemovesTheLeastRecentlyUsedOne) {
+  const test::TemporaryFolder folder;
+  const StreamCache cache(folder.path(), 10'000);
+  int rendered = 0;
+  const auto render = [&rendered](const fs::path& path) {
+    ++rendered;
+    fs::create_directories(path / "image_0");
+    std::ofstream(path / "image_0" / "000000.png") << std::string(8000, 'x');
+  };
+  const fs::path drive = cache.driveFolder("drive", render);
+  EXPECT_EQ(cache.driveFolder("drive", render), drive);
+  EXPECT_EQ(rendered, 1);
+  EXPECT_TRUE(fs::exists(drive / "image_0" / "000000.png"));
+
+  fs::last_write_time(drive, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  cache.store("streams", smallPair());
+  EXPECT_FALSE(fs::exists(drive)) << "8000 bytes and those of the streams are too many";
+  EXPECT_TRUE(cache.load("streams"));
+}
+
 }  // namespace
 }  // namespace cartvo::simulate

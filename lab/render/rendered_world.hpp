@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "capture/pair_synchroniser.hpp"
+#include "lab/render/world_settings.hpp"
+#include "tools/simulate/content.hpp"
+
+namespace cartvo::world {
+
+/// Ground truth of one image.
+struct DepthImage {
+  cv::Mat depth;   ///< CV_32FC1: depth along the camera's z axis at the pixel's centre, m; 0: sky
+  cv::Mat moving;  ///< CV_8UC1: 255 where the pixel shows a moving object, else 0
+};
+
+/// A golf cart's drive over a procedural campus, with exact ground truth. Images are raw (distorted by the
+/// lenses of rig()) and rendered at each camera's own exposure instant, which is that of the middle row; with
+/// a rolling shutter, each row at its own instant. They depend on the settings alone.
+class RenderedWorld final : public simulate::Content {
+ public:
+  /// Throws std::invalid_argument that names the setting out of range.
+  explicit RenderedWorld(const WorldSettings& settings);
+  ~RenderedWorld() override;
+  RenderedWorld(const RenderedWorld&) = delete;
+  RenderedWorld& operator=(const RenderedWorld&) = delete;
+
+  calib::Rig rig() const override;
+  double frameRate() const override;
+  int pairCount() const override;
+  std::int64_t leftInstant(int index) const override;
+  std::int64_t rightInstant(int index) const override;
+  /// Thread-safe; calls are serialised, each renders on `threads` threads.
+  void images(int index, cv::Mat& left, cv::Mat& right) const override;
+  bool startsAtStandstill() const override;
+  Trajectory truth() const override;
+  Trajectory denseTruth() const override;
+  std::string cacheKey() const override;
+
+  const WorldSettings& settings() const;
+
+  /// The image of one camera (CV_8UC1).
+  cv::Mat image(int index, capture::CameraSide side) const;
+
+  /// Radiance of that image, CV_32FC1, unit as in meanRadiance(): before lens blur, exposure, noise, tone
+  /// curve and rounding. For tests of the renderer.
+  cv::Mat radiance(int index, capture::CameraSide side) const;
+
+  /// Depth and moving objects of that image, by one ray through each pixel's centre.
+  DepthImage renderDepth(int index, capture::CameraSide side) const;
+
+  /// Mean radiance of the left camera's view at `seconds` (1: a white surface that faces the midday sun).
+  double meanRadiance(double seconds) const;
+
+  /// Instant of a row of an image, s after the content's start: that of the image plus the row's share of the
+  /// readout.
+  double rowInstant(int index, capture::CameraSide side, double row) const;
+
+  /// The cart's exact pose at `seconds` after the content's start, with the vibration of the cameras' mount;
+  /// world: the body axes at 0. Before its start and after its end, the drive goes on at the same
+  /// speed, a lively one for two seconds.
+  Eigen::Isometry3d T_world_body(double seconds) const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace cartvo::world

@@ -24,7 +24,7 @@ HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
 MOST_WORDS = {ROOT / "docs/architecture.md": 4000, HOW_IT_WORKS: 3000}
 USER_PAGES_MOST_WORDS = 20_000  # together
 NO_USER_PAGES = {*MOST_WORDS, ROOT / "docs/glossary.md"}
-FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|library|python|systemd|tests|tools|vo_core"
+FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|lab|library|python|systemd|tests|tools|vo_core"
 MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 
 
@@ -239,7 +239,7 @@ def command_misuse(line, programs):
         name = pathlib.PurePath(words[0]).name
         if name in programs:
             yield from programs[name].misuse(words[1:])
-        elif re.match(r"(\./)?(tools|tests)/[a-z]", words[0]):
+        elif re.match(r"(\./)?(lab|tools|tests)/[a-z]", words[0]):
             yield from script_misuse(words[0].removeprefix("./"), words[1:])
 
 
@@ -257,7 +257,7 @@ def commands_of_page(page):
             elif prompt := re.match(r"\s*[$#] (.+)", line):
                 yield prompt[1]
     for span in re.findall(r"`([^`]+)`", without_code_blocks(text)):
-        if re.match(r"(cartvod?|tools/\w+)( |$)", span):
+        if re.match(r"(cartvod?|(?:lab|tools)/\w+)( |$)", span):
             yield " ".join(span.split())
 
 

@@ -2,7 +2,7 @@
 """tools/check_layers.py: holds the includes to the layers of docs/architecture.md.
 
 A source includes headers of its own room and of rooms below it in LAYERS, never above; no include names "..";
-vo_core, capture and calib do not include each other. No folder of sources holds more than 30 sources, no source more
+vo_core, capture and calib do not include each other; nothing includes lab. No folder of sources holds more than 30 sources, no source more
 than 400 lines.
 """
 import collections
@@ -70,6 +70,8 @@ def problems_of(path: str) -> list[str]:
     for included in INCLUDE.findall(text):
         if ".." in included.split("/"):
             problems.append(f"{path}: includes {included}: name the path from the root of the repository")
+        if included.startswith("lab/") and top != "lab":
+            problems.append(f"{path}: includes {included}: nothing may use the laboratory")
         if top not in BELOW:
             continue
         other = included.split("/")[0]

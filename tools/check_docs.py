@@ -239,7 +239,7 @@ def command_misuse(line, programs):
         name = pathlib.PurePath(words[0]).name
         if name in programs:
             yield from programs[name].misuse(words[1:])
-        elif re.match(r"(\./)?(tools|tests)/[a-z]", words[0]):
+        elif re.match(r"(\./)?(lab|tools|tests)/[a-z]", words[0]):
             yield from script_misuse(words[0].removeprefix("./"), words[1:])
 
 
@@ -257,7 +257,7 @@ def commands_of_page(page):
             elif prompt := re.match(r"\s*[$#] (.+)", line):
                 yield prompt[1]
     for span in re.findall(r"`([^`]+)`", without_code_blocks(text)):
-        if re.match(r"(cartvod?|cartvo-render|tools/\w+)( |$)", span):
+        if re.match(r"(cartvod?|cartvo-render|(?:lab|tools)/\w+)( |$)", span):
             yield " ".join(span.split())
 
 

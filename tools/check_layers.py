@@ -47,7 +47,7 @@ BELOW = {
     "client": set(),
     "daemon": {"common", "vo_core", "capture", "calib", "cartvo"},
 }
-MAY_USE_LAB = ("lab/", "tests/", "tools/benchmark/")
+MAY_USE_LAB = ("lab/", "tests/")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

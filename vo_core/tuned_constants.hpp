@@ -6,7 +6,7 @@
 #include "vo_core/odometry_settings.hpp"
 
 // The tuned constants of `estimator: reprojection`: the one list of their units, permitted ranges and
-// sources. `cartvo benchmark sensitivity` measures how much the results depend on each of them.
+// sources. `lab/lab sensitivity` measures how much the results depend on each of them.
 
 namespace cartvo::vo {
 

@@ -1,8 +1,12 @@
 // Settings of the odometry, for Python.
+#include <span>
+#include <string>
+
 #include <pybind11/pybind11.h>
 
 #include "python/bindings/bindings.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/tuned_constants.hpp"
 
 namespace py = pybind11;
 
@@ -62,6 +66,39 @@ void bindStandstill(py::module_& module) {
   add(standstill, "least_time", &Standstill::least_time, "s, minimum duration");
 }
 
+py::list listOf(std::span<const vo::TunedConstant> constants) {
+  py::list list;
+  for (const vo::TunedConstant& constant : constants)
+    list.append(py::cast(&constant, py::return_value_policy::reference));  // lives as long as the program
+  return list;
+}
+
+void setConstant(vo::OdometrySettings& settings, const std::string& name, double value) {
+  for (const vo::TunedConstant& constant : vo::tunedConstants()) {
+    if (constant.name == name) return constant.set(value, settings);
+  }
+  throw py::value_error("there is no tuned constant '" + name + "'; tuned_constants() lists them");
+}
+
+void bindTunedConstants(py::module_& module) {
+  using vo::TunedConstant;
+  py::class_<TunedConstant>(module, "TunedConstant", "A tuned constant of the default estimator.")
+      .def_readonly("name", &TunedConstant::name, "for Settings.set_constant()")
+      .def_readonly("unit", &TunedConstant::unit, "empty: a ratio, share or count")
+      .def_readonly("low", &TunedConstant::low, "end of the permitted range")
+      .def_readonly("high", &TunedConstant::high, "end of the permitted range")
+      .def_readonly("source", &TunedConstant::source, "derivation, paper or measurement of the default")
+      .def_property_readonly(
+          "default", [](const TunedConstant& self) { return self.value({}); }, "value in Settings()")
+      .def_property_readonly("is_integer", &TunedConstant::isInteger, "whether it takes whole numbers only");
+  module.def(
+      "tuned_constants", [] { return listOf(vo::tunedConstants()); },
+      "The tuned constants of the default estimator, for experiments; see Settings.set_constant().");
+  module.def(
+      "product_limits", [] { return listOf(vo::productLimits()); },
+      "The limits of the product, which are requirements and not tuned.");
+}
+
 /// Settings with the defaults, except for the named ones.
 vo::OdometrySettings settingsOf(const py::kwargs& named) {
   vo::OdometrySettings settings;
@@ -87,6 +124,7 @@ void bindSettings(py::module_& module) {
   bindStereo(module);
   bindTracking(module);
   bindStandstill(module);
+  bindTunedConstants(module);
 
   using Settings = vo::OdometrySettings;
   py::class_<Settings> settings(
@@ -94,6 +132,8 @@ void bindSettings(py::module_& module) {
       "Settings of the odometry. The defaults are those of cartvod; each can be named: "
       "Settings(features=500). Ranges are checked when the settings are used.");
   settings.def(py::init(&settingsOf));
+  settings.def("set_constant", &setConstant, py::arg("name"), py::arg("value"),
+               "Sets a tuned constant, rounded if it is an integer. Raises ValueError for another name.");
   add(settings, "estimator", &Settings::estimator, "method that estimates the motion");
   add(settings, "features", &Settings::features, "target number of features in each left image, 50 to 20000");
   add(settings, "seed", &Settings::seed, "of the random subsets");

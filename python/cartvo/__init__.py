@@ -25,8 +25,11 @@ from ._cartvo import (
     StereoCamera,
     StereoSettings,
     TrackingSettings,
+    TunedConstant,
     ValiditySettings,
     __version__,
+    product_limits,
+    tuned_constants,
 )
 
 __all__ = [
@@ -51,6 +54,9 @@ __all__ = [
     "StereoCamera",
     "StereoSettings",
     "TrackingSettings",
+    "TunedConstant",
     "ValiditySettings",
     "__version__",
+    "product_limits",
+    "tuned_constants",
 ]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""check_accuracy.py CARTVO --limits FILE --cache-dir DIR: holds `cartvo benchmark accuracy` to committed limits.
+"""check_accuracy.py CARTVO --limits FILE --cache-dir DIR: holds `lab/lab accuracy` to committed limits.
 
-FILE (JSON) lists runs: the arguments of `cartvo benchmark accuracy`, and for each sequence of the report the largest
+FILE (JSON) lists runs: the arguments of `lab/lab accuracy`, and for each sequence of the report the largest
 value that each figure may have, named by its path in the report ("evaluation/rpe_rmse_m"). An error is the median of
 runs with different numbers of features, because a single one varies with the processor by half of its value; counts, and
 figures of a cart that stands, are the largest. Limits are about 1.3 times the figures of the day they were committed;
@@ -44,13 +44,33 @@ def figure_of_runs(sequences: list[dict], path: str) -> float:
     return statistics.median(values) if "/" in path else max(values)
 
 
-def measure(program: str, arguments: list[str], features: int, cache: str) -> dict[str, dict]:
-    command = [program, "benchmark", "accuracy", *arguments, "--features", str(features), "--estimators",
-               "reprojection", "--threads", "2", "--cache-dir", cache, "--json"]
+def measure(program: str, arguments: list[str], cache: str) -> dict[str, list[dict]]:
+    """The results of each sequence."""
+    command = [str(ROOT / "lab/lab"), "accuracy", *arguments, "--features", ",".join(map(str, FEATURE_COUNTS)), "--estimators",
+               "reprojection", "--cartvo", program, "--cache-dir", cache, "--json"]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: exit {done.returncode}")
-    return {sequence["sequence"]: sequence for sequence in json.loads(done.stdout)["sequences"]}
+    measured = {}
+    for result in json.loads(done.stdout)["results"]:
+        measured.setdefault(result["sequence"], []).append(result)
+    return measured
+
+
+def exceeded(limits: dict[str, dict[str, float]], measured: dict[str, list[dict]]) -> list[str]:
+    """The figures above their limits; prints all."""
+    problems = []
+    for name, most in limits.items():
+        if name not in measured:
+            problems.append(f"{name}: not in the report, which has {', '.join(measured)}")
+            continue
+        for path, limit in most.items():
+            value = figure_of_runs(measured[name], path)
+            within = value <= limit
+            print(f"{name:24} {path:54} {value:10.5g}  limit {limit:g}{'' if within else '  EXCEEDED'}", flush=True)
+            if not within:
+                problems.append(f"{name}: {path} is {value:.5g}: at most {limit:g} is expected")
+    return problems
 
 
 def check(program: str, run: dict, cache: str) -> list[str]:
@@ -61,19 +81,7 @@ def check(program: str, run: dict, cache: str) -> list[str]:
             return [f"{data}: no such folder, but CARTVO_REQUIRE_DATA=1"]
         print(f"left out: {data} is not on this machine")
         return []
-    runs = [measure(program, arguments, features, cache) for features in FEATURE_COUNTS]
-    problems = []
-    for name, limits in run["limits"].items():
-        if any(name not in measured for measured in runs):
-            problems.append(f"{name}: not in the report, which has {', '.join(runs[0])}")
-            continue
-        for path, limit in limits.items():
-            value = figure_of_runs([measured[name] for measured in runs], path)
-            within = value <= limit
-            print(f"{name:24} {path:54} {value:10.5g}  limit {limit:g}{'' if within else '  EXCEEDED'}", flush=True)
-            if not within:
-                problems.append(f"{name}: {path} is {value:.5g}: at most {limit:g} is expected")
-    return problems
+    return exceeded(run["limits"], measure(program, arguments, cache))
 
 
 def main() -> int:

@@ -189,6 +189,18 @@ def test_settings(camera):
         cartvo.Odometry(camera).set_features(-1)
 
 
+def test_tuned_constants(camera):
+    constants = {constant.name: constant for constant in cartvo.tuned_constants()}
+    frames, ratio = constants["bundle.frames"], constants["stereo.uniqueness"]
+    assert frames.is_integer and not ratio.is_integer and frames.low <= frames.default <= frames.high
+    settings = cartvo.Settings()
+    settings.set_constant("stereo.uniqueness", 0.5)
+    assert settings.stereo.uniqueness == 0.5
+    with pytest.raises(ValueError, match="no tuned constant 'stereo'"):
+        settings.set_constant("stereo", 0.5)
+    assert "validity.maximum_offset" in {limit.name for limit in cartvo.product_limits()}
+
+
 def test_wrong_cameras_and_masks_are_refused(camera, image):
     with pytest.raises(ValueError, match="baseline"):
         cartvo.StereoCamera(240.0, 170.0, 105.0, -1.0, WIDTH, HEIGHT)

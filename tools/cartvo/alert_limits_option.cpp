@@ -41,9 +41,8 @@ void addAlertLimitsOption(Command command, std::optional<daemon::AlertLimits>& l
 void addAlertLimitsOption(Command command, daemon::AlertLimits& limits) {
   addOption(
       command,
-      fmt::format("Errors above which a VALID message is counted, in a benchmark also the largest\n"
-                  "bounds with which it is VALID: of a velocity (m/s), an angular rate (deg/s), and of\n"
-                  "the motion (m) and rotation (deg) of the last second\n"
+      fmt::format("Errors above which a VALID message is counted: of a velocity (m/s), an angular rate\n"
+                  "(deg/s), and of the motion (m) and rotation (deg) of the last second\n"
                   "(default: those of cartvod, {:g},{:g},{:g},{:g})",
                   limits.velocity, kDegreesPerRadian * limits.angular_rate, limits.motion,
                   kDegreesPerRadian * limits.rotation),

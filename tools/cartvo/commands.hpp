@@ -15,6 +15,5 @@ void addWatchCommand(Command cartvo);
 void addCameraCommand(Command cartvo);
 void addDoctorCommand(Command cartvo);
 void addCalibrateCommand(Command cartvo);
-void addBenchmarkCommand(Command cartvo);
 
 }  // namespace cartvo

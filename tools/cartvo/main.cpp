@@ -41,12 +41,15 @@ void addCommands(cartvo::Command command) {
   cartvo::addCameraCommand(command);
   cartvo::addDoctorCommand(command);
   cartvo::addCalibrateCommand(command);
-  cartvo::addBenchmarkCommand(command);
   cartvo::refuseUnusableValues(command);
 }
 
 /// Runs the command; returns the exit code.
 int run(cartvo::Program& program, const std::vector<std::string>& arguments) {
+  if (!arguments.empty() && arguments.front() == "benchmark") {
+    std::fputs("cartvo: the benchmarks are in lab/ of the source: lab/lab accuracy --help\n", stderr);
+    return kWrongCommandLine;
+  }
   try {
     if (const std::string unknown = cartvo::unknownWord(program.command(), arguments); !unknown.empty()) {
       std::fprintf(stderr, "cartvo: %s\n", unknown.c_str());

@@ -55,12 +55,6 @@ void NormalisedErrors::add(const vo::Vector6d& error, const vo::Matrix6d& covari
   ++groups_.back().count;
 }
 
-void NormalisedErrors::add(const NormalisedErrors& other) {
-  groups_.insert(groups_.end(), other.groups_.begin(), other.groups_.end());
-  unusable_ += other.unusable_;
-  group_open_ = false;
-}
-
 double NormalisedErrors::mean() const {
   double sum = 0.0;
   for (const Group& group : groups_)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "vo_core/rigid_motion.hpp"
@@ -29,27 +28,13 @@ Interval consistencyBand(std::size_t count);
 /// the poses before. The mean is the mean of the group means.
 class NormalisedErrors {
  public:
-  struct Group {
-    double sum = 0.0;  ///< of the normalised errors
-    std::size_t count = 0;
-  };
-
-  NormalisedErrors() = default;
-  /// Errors that were added before. Each group must have a positive count.
-  NormalisedErrors(std::vector<Group> groups, std::size_t unusable)
-      : groups_(std::move(groups)), unusable_(unusable) {}
-
   void beginGroup() { group_open_ = false; }
 
   /// Adds an error and its covariance, in the same order, units and frame, to the current group. A covariance
   /// that is not positive definite is only counted as unusable.
   void add(const vo::Vector6d& error, const vo::Matrix6d& covariance);
 
-  /// Adds the groups of `other`.
-  void add(const NormalisedErrors& other);
-
   std::size_t groups() const { return groups_.size(); }
-  const std::vector<Group>& eachGroup() const { return groups_; }
   std::size_t unusable() const { return unusable_; }
 
   /// Requires at least one group.
@@ -57,6 +42,11 @@ class NormalisedErrors {
   Interval band() const { return consistencyBand(groups()); }
 
  private:
+  struct Group {
+    double sum = 0.0;  // of the normalised errors
+    std::size_t count = 0;
+  };
+
   std::vector<Group> groups_;
   bool group_open_ = false;
   std::size_t unusable_ = 0;

@@ -36,6 +36,7 @@
 #include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
+#include "tools/replay/truth_consistency.hpp"
 #include "tools/replay/video/video_recorder.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
@@ -189,6 +190,7 @@ void run(Options& options) {
   if (truth) {
     summary["truth"] = options.truth.string();
     summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
+    summary["consistency"] = consistencyJson(consistencyWithTruth(replay, *truth, options.truth));
   }
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay), TrajectoryFrame::left_camera);
   writeTum(output / "trajectory.tum", bodyTrajectory(replay), TrajectoryFrame::body);

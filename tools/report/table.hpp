@@ -6,7 +6,7 @@
 
 namespace cartvo {
 
-enum class ReportFormat : std::uint8_t { text, markdown, json };
+enum class ReportFormat : std::uint8_t { text, markdown };
 
 /// Text of a cell whose value does not apply or is unknown.
 inline constexpr const char* kNoValue = "–";

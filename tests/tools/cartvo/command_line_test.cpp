@@ -34,6 +34,10 @@ TEST(CommandLine, NamesAnUnknownCommandAndTheNearestOne) {
   EXPECT_THAT(errorOf("xyzzy"), HasSubstr("the commands are simulate, replay, export, recording"));
 }
 
+TEST(CommandLine, SaysWhereTheBenchmarksAre) {
+  EXPECT_THAT(errorOf("benchmark accuracy --quick"), HasSubstr("lab/lab accuracy --help"));
+}
+
 TEST(CommandLine, NamesAnUnknownOptionBeforeAMissingOne) {
   EXPECT_THAT(errorOf("replay drive --output out"),
               HasSubstr("has no option --output; did you mean --output-dir?"));

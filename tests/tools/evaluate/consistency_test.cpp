@@ -88,12 +88,6 @@ TEST(NormalisedErrors, CountUnusableCovariances) {
   EXPECT_EQ(normalised.unusable(), 2u);
 }
 
-TEST(NormalisedErrors, AddTheGroupsOfOtherSequences) {
-  NormalisedErrors all = measure(exampleCovariance(), 10);
-  all.add(measure(exampleCovariance(), 30));
-  EXPECT_EQ(all.groups(), 40u);
-}
-
 // Quantiles of chi-square with 6, 60 and 6000 degrees of freedom: the first two from tables, the last from
 // the Wilson-Hilferty approximation, which is exact to these digits.
 TEST(ConsistencyBand, MatchesChiSquareQuantiles) {

@@ -13,8 +13,6 @@
 #include "support/daemon/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/benchmark/sequence.hpp"
-#include "tools/benchmark/thesis/rate_errors.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace cartvo {
@@ -102,23 +100,6 @@ TEST_F(ReplayedLayout, OfNewCollegeGivesTheSamePoses) {
     settings.source = folder_ / "data/new_college";
     expectEqualPoses(replayed(settings), kitti);
   }
-}
-
-TEST_F(ReplayedLayout, OfNewCollegeIsASequenceOfTheThesisBenchmark) {
-  makeNewCollege();
-  std::string poses;
-  for (const std::string& line : firstLines(sequence_ / "poses.txt"))
-    poses += line + "\n";
-  test::writeText(folder_ / "data/new_college/poses.txt", poses);
-  test::writePicture(folder_ / "data/pictures/left1.png", {32, 24}, 1);
-  test::writePicture(folder_ / "data/pictures/right1.png", {32, 24}, 1);
-  const std::vector<benchmark::Sequence> sequences = benchmark::realSequences(folder_ / "data");
-  ASSERT_EQ(sequences.size(), 1U) << "images without instants and truth are left out";
-  ReplaySettings settings;
-  settings.source = sequences[0].folder;
-  const benchmark::RateErrors errors = benchmark::rateErrors(replayed(settings), sequences[0].truth);
-  EXPECT_EQ(errors.pairs, static_cast<std::size_t>(kPairs - 1));
-  EXPECT_LT(errors.velocity.norm(), 1.0) << "m/s, at 12 m/s";
 }
 
 TEST_F(ReplayedLayout, SideBySideGivesTheSamePoses) {

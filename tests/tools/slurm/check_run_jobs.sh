@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check_run_jobs.sh RUN_JOBS CARTVO: tools/slurm/run_jobs on a Slurm of one node, from Debian's packages: the jobs of a
-# benchmark give the table of a single run, and a job that fails is named. Exits with 77 (skipped) without Slurm or namespaces.
+# check_run_jobs.sh SOURCE CARTVO: tools/slurm/run_jobs on a Slurm of one node, from Debian's packages: the jobs of lab/lab
+# give the table of a single run, and a job that fails is named. Exits with 77 (skipped) without Slurm or namespaces.
 set -euo pipefail
 if [ "${3-}" != inside ]; then
   for program in slurmctld slurmd munged sbatch; do
@@ -12,7 +12,7 @@ if [ "${3-}" != inside ]; then
   # With this script end all programs that it has started.
   exec unshare --mount --net --uts --pid --fork --mount-proc --kill-child "$(realpath "$0")" "$(realpath "$1")" "$(realpath "$2")" inside
 fi
-run_jobs=$1 cartvo=$2 make_sequence=$(dirname "$(realpath "$0")")/../../support/tools/make_still_sequence.sh
+lab=$1/lab/lab run_jobs=$1/tools/slurm/run_jobs cartvo=$2 make_sequence=$(dirname "$(realpath "$0")")/../../support/tools/make_still_sequence.sh
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 chmod 755 "$folder"
@@ -74,10 +74,10 @@ await 'a node that is idle' is_idle
 "$make_sequence" data/near_still 16
 "$make_sequence" data/far_still 8
 
-options=(--data data --scenarios none --estimators reprojection --cache-dir cache)
-"$cartvo" benchmark accuracy "${options[@]}" --list results >job_lines
-"$run_jobs" job_lines --parallel 2 --then 'cartvo benchmark accuracy --merge results' >merged || fail "the jobs failed"
-"$cartvo" benchmark accuracy "${options[@]}" >whole 2>/dev/null
+options=(--cartvo "$cartvo" --data data --scenarios none --estimators reprojection --cache-dir cache)
+"$lab" accuracy "${options[@]}" --list results >job_lines
+"$run_jobs" job_lines --parallel 2 --then "$lab accuracy --merge results" >merged || fail "the jobs failed"
+"$lab" accuracy "${options[@]}" >whole 2>/dev/null
 # All columns but the times.
 # The time of a pair stands before the four columns of validity.
 without_times() { sed -E 's/ +[0-9.]+ \/ +[0-9.]+(( +[^ ]+){4})$/\1/' "$1"; }

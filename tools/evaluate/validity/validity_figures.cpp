@@ -44,17 +44,6 @@ double ValidityFigures::availability() const {
   return messages == 0 ? 0.0 : static_cast<double>(valid) / static_cast<double>(messages);
 }
 
-void ValidityFigures::add(const ValidityFigures& other) {
-  messages += other.messages;
-  valid += other.valid;
-  judged += other.judged;
-  above_limit += other.above_limit;
-  above_bound += other.above_bound;
-  longest_gap = std::max(longest_gap, other.longest_gap);
-  velocity_error = std::max(velocity_error, other.velocity_error);
-  rate_error = std::max(rate_error, other.rate_error);
-}
-
 bool isAboveLimit(const JudgedMessage& message, const daemon::AlertLimits& limits) {
   const auto above = [](const Eigen::Vector3d& errors, double limit) {
     return exceeds(errors, Eigen::Vector3d::Constant(limit));
@@ -91,16 +80,6 @@ ValidityFigures validityFigures(const std::vector<JudgedMessage>& messages,
 
 std::string shareOfJudged(const ValidityFigures& figures, std::size_t count) {
   return fmt::format("{} of {}", count, figures.judged);
-}
-
-std::string validityLine(const ValidityFigures& figures) {
-  return fmt::format(
-      "{} VALID messages above an alert limit, {} above their bound (largest errors {:.3g} m/s, {:.3g} "
-      "deg/s); "
-      "available: {} of {} messages, {:.2f} %, longest gap {:.2f} s",
-      shareOfJudged(figures, figures.above_limit), shareOfJudged(figures, figures.above_bound),
-      figures.velocity_error, kDegreesPerRadian * figures.rate_error, figures.valid, figures.messages,
-      100.0 * figures.availability(), figures.longest_gap);
 }
 
 nlohmann::ordered_json validityJson(const ValidityFigures& figures) {

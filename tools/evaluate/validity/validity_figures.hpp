@@ -25,9 +25,6 @@ struct ValidityFigures {
 
   /// Share of VALID messages; 0 without any message.
   double availability() const;
-
-  /// Adds the figures of another drive.
-  void add(const ValidityFigures& other);
 };
 
 bool isAboveLimit(const JudgedMessage& message, const daemon::AlertLimits& limits);
@@ -41,9 +38,6 @@ ValidityFigures validityFigures(const std::vector<JudgedMessage>& messages,
 
 /// "3 of 251", of the VALID messages with a truth.
 std::string shareOfJudged(const ValidityFigures& figures, std::size_t count);
-
-/// A line such as "0 of 251 VALID messages above their alert limit, 1 above their bound; ...".
-std::string validityLine(const ValidityFigures& figures);
 
 /// Keys that each name their unit.
 nlohmann::ordered_json validityJson(const ValidityFigures& figures);

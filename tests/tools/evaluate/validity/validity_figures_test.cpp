@@ -134,16 +134,6 @@ TEST(ValidityFigures, MeasureAvailabilityAndTheLongestGap) {
   EXPECT_EQ(ValidityFigures{}.availability(), 0.0);
 }
 
-TEST(ValidityFigures, OfDrivesAddUp) {
-  ValidityFigures sum{10, 8, 7, 1, 2, 0.5, 0.1, 0.02};
-  sum.add({5, 5, 5, 0, 1, 0.3, 0.2, 0.01});
-  EXPECT_EQ(sum.messages, 15u);
-  EXPECT_EQ(sum.above_bound, 3u);
-  EXPECT_DOUBLE_EQ(sum.availability(), 13.0 / 15.0);
-  EXPECT_DOUBLE_EQ(sum.longest_gap, 0.5);
-  EXPECT_DOUBLE_EQ(sum.velocity_error, 0.2);
-}
-
 /// Writes what a replay writes of a straight drive whose message 20 is off by 1 m/s and states 100 m/s.
 void writeDrive(const std::filesystem::path& folder) {
   Replay replay;

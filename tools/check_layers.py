@@ -36,7 +36,7 @@ LAYERS = {
     "capture": ["capture/frame capture/camera_side capture/camera_source capture/encoded_unit", "capture/codec", "capture/clock",
                 "capture", "capture/rtsp capture/v4l2", "capture/isapi", "capture/recording", "capture/dataset", "capture/stereo_source"],
     "calib": ["calib/model", "calib/rectification", "calib/board", "calib/format", "calib/solver"],
-    "daemon": ["daemon/pipeline", "daemon/publish", "daemon/diagnostics", "daemon/page", "daemon/service"],
+    "daemon": ["daemon/publish", "daemon/diagnostics", "daemon/page", "daemon/service"],
 }
 # The folders that each top folder may include beside itself.
 BELOW = {
@@ -45,7 +45,8 @@ BELOW = {
     "capture": {"common"},
     "calib": {"common", "vo_core/simd"},
     "client": set(),
-    "daemon": {"common", "vo_core", "capture", "calib", "cartvo"},
+    "pipeline": {"common", "vo_core", "capture", "calib"},
+    "daemon": {"common", "capture", "calib", "pipeline", "cartvo"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 

@@ -172,10 +172,10 @@ StatusPage::~StatusPage() = default;
 std::string StatusPage::url() const {
   return implementation_->url();
 }
-PairViewer& StatusPage::viewer() {
+pipeline::PairViewer& StatusPage::viewer() {
   return implementation_->handover;
 }
-void StatusPage::addPair(const PairResult& result, const odometry_t& message) {
+void StatusPage::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   implementation_->handover.addPair(pageSample(message, result.times.total));
 }
 void StatusPage::addMissedPair(const odometry_t& message) {

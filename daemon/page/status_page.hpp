@@ -9,7 +9,7 @@
 
 #include "daemon/page/health_json.hpp"
 #include "daemon/page/page_server.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo::daemon {
 
@@ -37,10 +37,10 @@ class StatusPage {
 
   // Called by the odometry's thread.
 
-  PairViewer& viewer();
-  void addPair(const PairResult& result, const odometry_t& message);
+  pipeline::PairViewer& viewer();
+  void addPair(const pipeline::PairResult& result, const odometry_t& message);
   void addMissedPair(const odometry_t& message);
-  void setStalled(const std::string& stalled);  ///< as stalledReader()
+  void setStalled(const std::string& stalled);  ///< as PipelineProgress::stalledReader()
   void setHealth(const health_t& health, const RecordingState& recording);
 
  private:

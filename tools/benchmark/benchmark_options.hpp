@@ -29,7 +29,7 @@ struct BenchmarkOptions {
   std::string format = "text";
   bool json = false;
   std::filesystem::path output;
-  daemon::AlertLimits limits;
+  pipeline::AlertLimits limits;
 
   ReportFormat reportFormat() const;
 };

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "capture/dataset/image_folder.hpp"
-#include "daemon/pipeline/body_motion.hpp"
+#include "pipeline/body_motion.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/world/rendered_world.hpp"
@@ -48,7 +48,7 @@ vo::Vector6d twistAt(const world::RenderedWorld& world, std::int64_t time_ns) {
   const double time = 1e-9 * static_cast<double>(time_ns);
   const Eigen::Isometry3d before = world.T_world_body(time - kStep);
   const Eigen::Isometry3d after = world.T_world_body(time + kStep);
-  return daemon::logarithm(before.inverse() * after) / (2.0 * kStep);
+  return pipeline::logarithm(before.inverse() * after) / (2.0 * kStep);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
+// `cartvo replay`: processes recorded images with the pipeline of cartvod and writes text files.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -131,13 +131,14 @@ Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage
   std::optional<VideoRecorder> video;
   if (!options.video.empty()) options.replay.viewer = &video.emplace(options.video);
   if (page != nullptr) options.replay.viewer = &page->viewer();
-  Replay replay = replayBySource(options, check, [&](const daemon::PairResult& result, std::size_t expected) {
-    check();
-    if (publisher != nullptr) publisher->publish(result);
-    if (page != nullptr) page->addPair(result, expected);
-    if (video) video->add(result);
-    progress.show(result.sequence + 1, expected);
-  });
+  Replay replay =
+      replayBySource(options, check, [&](const pipeline::PairResult& result, std::size_t expected) {
+        check();
+        if (publisher != nullptr) publisher->publish(result);
+        if (page != nullptr) page->addPair(result, expected);
+        if (video) video->add(result);
+        progress.show(result.sequence + 1, expected);
+      });
   options.replay.viewer = nullptr;
   if (video) video->finish();
   return replay;

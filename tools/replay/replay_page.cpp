@@ -26,7 +26,7 @@ constexpr std::chrono::seconds kHealthPeriod{1};
 
 }  // namespace
 
-class ReplayPage::Implementation final : public daemon::PageContent, public daemon::PairViewer {
+class ReplayPage::Implementation final : public daemon::PageContent, public pipeline::PairViewer {
  public:
   explicit Implementation(const ReplayPageSettings& settings)
       : speed_(settings.speed),
@@ -35,8 +35,8 @@ class ReplayPage::Implementation final : public daemon::PageContent, public daem
         server_(settings.server, *this) {}
 
   std::string url() const { return server_.url(); }
-  daemon::PairView* nextView() override { return &view_; }
-  void addPair(const daemon::PairResult& result, std::size_t expected);
+  pipeline::PairView* nextView() override { return &view_; }
+  void addPair(const pipeline::PairResult& result, std::size_t expected);
   void finish();
 
   std::string about() override { return about_; }
@@ -50,13 +50,13 @@ class ReplayPage::Implementation final : public daemon::PageContent, public daem
   enum class State : std::uint8_t { running, paused, ended };
 
   void store(const daemon::PageSample& sample);
-  void updateHealth(const daemon::PairResult& result, const odometry_t& message);
+  void updateHealth(const pipeline::PairResult& result, const odometry_t& message);
   void waitForPace(std::int64_t exposure_ns);
   daemon::ReplayState stateForPage() const;
 
   double speed_;
   std::string about_;
-  daemon::PairView view_;  ///< of the replaying thread, as are the next two
+  pipeline::PairView view_;  ///< of the replaying thread, as are the next two
   daemon::HealthMonitor monitor_;
   Clock::time_point next_health_;
 
@@ -76,7 +76,7 @@ class ReplayPage::Implementation final : public daemon::PageContent, public daem
   daemon::PageServer server_;  ///< last, because its threads use the others
 };
 
-void ReplayPage::Implementation::addPair(const daemon::PairResult& result, std::size_t expected) {
+void ReplayPage::Implementation::addPair(const pipeline::PairResult& result, std::size_t expected) {
   odometry_t message = daemon::odometryMessage(result);
   message.sequence = static_cast<std::int64_t>(result.sequence);
   // There is no publication: the latency is that of processing.
@@ -108,7 +108,7 @@ void ReplayPage::Implementation::store(const daemon::PageSample& sample) {
   }
 }
 
-void ReplayPage::Implementation::updateHealth(const daemon::PairResult& result, const odometry_t& message) {
+void ReplayPage::Implementation::updateHealth(const pipeline::PairResult& result, const odometry_t& message) {
   monitor_.addPair(result, message);
   if (Clock::now() < next_health_) return;
   next_health_ = Clock::now() + kHealthPeriod;
@@ -199,10 +199,10 @@ ReplayPage::~ReplayPage() = default;
 std::string ReplayPage::url() const {
   return implementation_->url();
 }
-daemon::PairViewer& ReplayPage::viewer() {
+pipeline::PairViewer& ReplayPage::viewer() {
   return *implementation_;
 }
-void ReplayPage::addPair(const daemon::PairResult& result, std::size_t expected) {
+void ReplayPage::addPair(const pipeline::PairResult& result, std::size_t expected) {
   implementation_->addPair(result, expected);
 }
 void ReplayPage::finish() {

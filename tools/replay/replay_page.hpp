@@ -5,7 +5,7 @@
 #include <string>
 
 #include "daemon/page/page_server.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo {
 
@@ -33,11 +33,11 @@ class ReplayPage {
   std::string url() const;
 
   /// Of the processor that makes the pairs.
-  daemon::PairViewer& viewer();
+  pipeline::PairViewer& viewer();
 
   /// Shows a pair, then waits for the recorded pace and while the page's user has paused. `expected`: pairs
   /// of the source, 0 if unknown.
-  void addPair(const daemon::PairResult& result, std::size_t expected);
+  void addPair(const pipeline::PairResult& result, std::size_t expected);
 
   /// The last pair was added.
   void finish();

@@ -157,7 +157,7 @@ Json pairsJson(const Replay& replay) {
   return json;
 }
 
-Json framesJson(const daemon::PipelineCounts& counts) {
+Json framesJson(const pipeline::PipelineCounts& counts) {
   return {{"dropped_no_partner", counts.dropped_no_partner},
           {"dropped_damaged", counts.dropped_damaged},
           {"dropped_out_of_order", counts.dropped_out_of_order},
@@ -180,11 +180,11 @@ Json timesJson(const Replay& replay, Value value) {
 
 Json timesJson(const Replay& replay) {
   Json json;
-  json["total"] = timesJson(replay, [](const daemon::StageTimes& times) { return times.total; });
+  json["total"] = timesJson(replay, [](const pipeline::StageTimes& times) { return times.total; });
   for (int i = 0; i < vo::kStageCount; ++i) {
     const auto stage = static_cast<vo::Stage>(i);
     json[vo::stageName(stage)] =
-        timesJson(replay, [stage](const daemon::StageTimes& times) { return times.stage(stage); });
+        timesJson(replay, [stage](const pipeline::StageTimes& times) { return times.stage(stage); });
   }
   return json;
 }

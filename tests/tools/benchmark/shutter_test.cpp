@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/daemon/alert_limits.hpp"
+#include "support/pipeline/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/silent.hpp"

@@ -146,7 +146,7 @@ void Consistency::add(const Consistency& other) {
 }
 
 SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth,
-                                 const daemon::AlertLimits& limits) {
+                                 const pipeline::AlertLimits& limits) {
   SequenceAccuracy accuracy = AccuracyMeasurement(replay, truth).measure();
   accuracy.pairs = replay.pairs.size();
   accuracy.lost = truth.left_camera.size() - std::min(truth.left_camera.size(), accuracy.pairs);

@@ -64,7 +64,7 @@ struct SequenceAccuracy {
 /// Compares a replay of at least one pair with the truth, and counts published messages above `limits`.
 /// Throws std::runtime_error if fewer than two pairs have a true pose.
 SequenceAccuracy measureAccuracy(const Replay& replay, const SequenceTruth& truth,
-                                 const daemon::AlertLimits& limits);
+                                 const pipeline::AlertLimits& limits);
 
 /// Combines several sequences into one with the given name: counts are summed; segments, motions and times
 /// are pooled; drift and its percentage are means over the moving sequences; standing speed, end error, gap

@@ -36,7 +36,7 @@ class AccuracyRun {
     for (const OdometryVariant& variant : settings_.variants) {
       capture::StereoSource source =
           variant.simultaneous ? openSimultaneous(sequence.folder) : capture::openSource(sequence.folder);
-      const daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
+      const pipeline::FoundRig rig = pipeline::findRig(source, sequence.folder, {});
       measure(sequence, variant, 0.0, source, rig);
     }
     for (const double bitrate : settings_.bitrates_mbps)
@@ -47,12 +47,12 @@ class AccuracyRun {
 
  private:
   void measure(const Sequence& sequence, const OdometryVariant& variant, double bitrate_mbps,
-               capture::StereoSource& source, const daemon::FoundRig& rig) {
+               capture::StereoSource& source, const pipeline::FoundRig& rig) {
     const std::string name = withBitrate(sequence.name, bitrate_mbps);
     observer_.begin({name + ": " + variant.name});
     const Replay replay = replayPairs(
         source, rig, variant.odometry,
-        [&](const daemon::PairResult& result, std::size_t expected) {
+        [&](const pipeline::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         },
         {}, nullptr, settings_.limits);

@@ -25,7 +25,7 @@ struct AccuracySettings {
   std::filesystem::path data;  ///< real sequences, see realSequences; empty: none
   std::vector<world::WorldSettings> worlds;
   std::vector<OdometryVariant> variants;
-  daemon::AlertLimits limits;         ///< of VALID messages, and above which they are counted
+  pipeline::AlertLimits limits;       ///< of VALID messages, and above which they are counted
   std::vector<double> bitrates_mbps;  ///< additional runs over H.264 at these rates per camera
   std::filesystem::path cache;        ///< for rendered worlds and encoded streams
   std::optional<std::size_t> only;    ///< index in sequenceNames of the one sequence to measure; empty: all

@@ -78,10 +78,10 @@ class OffsetRun {
   SequenceAccuracy measure(const Sequence& sequence, capture::StereoSource& source, OffsetModel model,
                            const vo::OdometrySettings& odometry) {
     observer_.begin({sequence.name + ": " + offsetModelName(model)});
-    const daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
+    const pipeline::FoundRig rig = pipeline::findRig(source, sequence.folder, {});
     const Replay replay = replayPairs(
         source, rig, odometry,
-        [&](const daemon::PairResult& result, std::size_t expected) {
+        [&](const pipeline::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         },
         {}, nullptr, settings_.limits);

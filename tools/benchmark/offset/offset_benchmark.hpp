@@ -45,8 +45,8 @@ struct OffsetSettings {
   std::vector<RightClock> clocks;
   std::vector<OffsetModel> models;
   vo::OdometrySettings odometry;
-  daemon::AlertLimits limits;   ///< of VALID messages, and above which they are counted
-  std::filesystem::path cache;  ///< for rendered worlds
+  pipeline::AlertLimits limits;  ///< of VALID messages, and above which they are counted
+  std::filesystem::path cache;   ///< for rendered worlds
 };
 
 /// The accuracy of one model on one sequence with one clock.

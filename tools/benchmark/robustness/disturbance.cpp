@@ -195,7 +195,7 @@ const Disturbance& disturbanceNamed(const std::string& name) {
 
 DisturbedSequence disturbed(const Sequence& sequence, const Disturbance& disturbance) {
   DisturbedSequence result{capture::openSource(sequence.folder), {}, sequence.truth};
-  result.rig = daemon::findRig(result.source, sequence.folder, {});
+  result.rig = pipeline::findRig(result.source, sequence.folder, {});
   const capture::ImageFolder images = capture::readImageFolder(sequence.folder);
   switch (disturbance.kind) {
     case DisturbanceKind::none:

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 #include "tools/benchmark/sequence.hpp"
 
 // Faults and hardships that are added to a sequence of good image pairs.
@@ -36,7 +36,7 @@ const Disturbance& disturbanceNamed(const std::string& name);
 /// A disturbed sequence that can be played once.
 struct DisturbedSequence {
   capture::StereoSource source;
-  daemon::FoundRig rig;
+  pipeline::FoundRig rig;
   SequenceTruth truth;  ///< of the left images that are played
 };
 

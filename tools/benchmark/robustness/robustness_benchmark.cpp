@@ -93,7 +93,7 @@ class RobustnessRun {
     observer_.begin({sequence.name + ", " + disturbance.name});
     const Replay replay = replayPairs(
         played.source, played.rig, odometry,
-        [&](const daemon::PairResult& result, std::size_t expected) {
+        [&](const pipeline::PairResult& result, std::size_t expected) {
           observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
         },
         {}, nullptr, settings_.limits);

@@ -16,7 +16,7 @@ struct RobustnessSettings {
   std::vector<world::WorldSettings> worlds;
   std::vector<std::string> disturbances;  ///< names; "none" is always measured
   vo::OdometrySettings odometry;          ///< of both estimators
-  daemon::AlertLimits limits;             ///< of VALID messages, and above which they are counted
+  pipeline::AlertLimits limits;           ///< of VALID messages, and above which they are counted
   std::filesystem::path cache;            ///< of rendered worlds
 };
 

@@ -40,14 +40,14 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
                         const WorkObserver& observer) {
   observer.begin({sequence.name + ": readout " + readoutModelName(model)});
   capture::StereoSource source = capture::openSource(sequence.folder);
-  daemon::FoundRig rig = daemon::findRig(source, sequence.folder, {});
+  pipeline::FoundRig rig = pipeline::findRig(source, sequence.folder, {});
   rig.rig = rigFor(model, std::move(rig.rig));
   const Replay replay = replayPairs(
       source, rig, settings.odometry,
-      [&](const daemon::PairResult& result, std::size_t expected) {
+      [&](const pipeline::PairResult& result, std::size_t expected) {
         observer.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
       },
-      daemon::AbsentReadout::unknown, nullptr, settings.limits);
+      pipeline::AbsentReadout::unknown, nullptr, settings.limits);
   if (replay.pairs.empty())
     throw std::runtime_error(
         sequence.name + ": no left and right image could be paired; check the timestamps of both cameras");

@@ -57,8 +57,8 @@ struct ShutterSettings {
   std::vector<ShutterCase> cases;
   std::vector<ReadoutModel> models;
   vo::OdometrySettings odometry;
-  daemon::AlertLimits limits;   ///< of VALID messages, and above which they are counted
-  std::filesystem::path cache;  ///< for rendered worlds
+  pipeline::AlertLimits limits;  ///< of VALID messages, and above which they are counted
+  std::filesystem::path cache;   ///< for rendered worlds
 };
 
 /// Errors of the published angular velocities against the true ones at the exposures, over valid pairs.

@@ -9,7 +9,7 @@
 #include "calib/rectification/rectification.hpp"
 #include "capture/dataset/image_folder.hpp"
 #include "capture/stereo_source.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -51,7 +51,7 @@ capture::Frame readFrame(const capture::ImageSequence& camera, std::size_t index
 }  // namespace
 
 DriveInMemory loadDrive(const std::string& name, const std::filesystem::path& folder, int max_pairs) {
-  DriveInMemory drive{name, daemon::findRig(capture::openSource(folder), folder, {}).rig, {}};
+  DriveInMemory drive{name, pipeline::findRig(capture::openSource(folder), folder, {}).rig, {}};
   const capture::ImageFolder images = capture::readImageFolder(folder);
   const std::size_t count = std::min(images.left.images.size(), static_cast<std::size_t>(max_pairs));
   for (std::size_t i = 0; i < count; ++i)

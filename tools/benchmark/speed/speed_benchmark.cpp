@@ -11,7 +11,7 @@
 #include "calib/rectification/rectifier.hpp"
 #include "common/image_size.hpp"
 #include "common/statistics.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 #include "tools/benchmark/sequence.hpp"
 #include "tools/benchmark/speed/drive_in_memory.hpp"
 
@@ -47,8 +47,8 @@ world::WorldSettings worldOf(cv::Size size, const SpeedSettings& settings) {
 /// Collects the times of one result.
 class Samples {
  public:
-  void add(const daemon::PairResult& result) {
-    const daemon::StageTimes& times = result.times;
+  void add(const pipeline::PairResult& result) {
+    const pipeline::StageTimes& times = result.times;
     raw_.push_back(1e3 * times.total);
     rectified_.push_back(1e3 * (times.total - times.stage(vo::Stage::rectify)));
     for (int i = 0; i < vo::kStageCount; ++i)
@@ -106,9 +106,9 @@ SpeedResult timeDrive(const DriveInMemory& drive, const calib::Rectifier& rectif
   samples.add(before);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     cv::setNumThreads(threads);
-    daemon::PairProcessor processor(drive.rig, rectifier, {.odometry = odometry});
+    pipeline::PairProcessor processor(drive.rig, rectifier, {.odometry = odometry});
     for (int i = 0; i < count; ++i) {
-      const daemon::PairResult result = processor.process(drive.pairs[i]);
+      const pipeline::PairResult result = processor.process(drive.pairs[i]);
       if (i >= kWarmUpPairs) samples.add(result);
       progress(repeat * count + i + 1, repeats * count);
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "daemon/pipeline/body_motion.hpp"
+#include "pipeline/body_motion.hpp"
 #include "tools/benchmark/accuracy/true_motion.hpp"
 
 namespace cartvo::benchmark {
@@ -22,7 +22,7 @@ RateErrors rateErrors(const Replay& replay, const SequenceTruth& truth) {
     const Eigen::Isometry3d motion = truth.left_camera[*from].pose.inverse() * truth.left_camera[*to].pose;
     vo::Vector6d error;
     error << pair.velocity, pair.angular_velocity;
-    error -= daemon::logarithm(T_body_left * motion * T_body_left.inverse()) / pair.time_step;
+    error -= pipeline::logarithm(T_body_left * motion * T_body_left.inverse()) / pair.time_step;
     squares += error.cwiseAbs2();
     ++errors.pairs;
   }

@@ -42,9 +42,9 @@ StageMedians stageMedians(const Replay& replay) {
   for (int i = 0; i < vo::kStageCount; ++i) {
     const auto stage = static_cast<vo::Stage>(i);
     medians.stages[i] =
-        medianMs(replay, [stage](const daemon::StageTimes& times) { return times.stage(stage); });
+        medianMs(replay, [stage](const pipeline::StageTimes& times) { return times.stage(stage); });
   }
-  medians.total = medianMs(replay, [](const daemon::StageTimes& times) { return times.total; });
+  medians.total = medianMs(replay, [](const pipeline::StageTimes& times) { return times.total; });
   return medians;
 }
 

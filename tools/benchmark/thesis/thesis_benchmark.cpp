@@ -71,8 +71,8 @@ class ThesisRun {
     replay.odometry = settings_.odometry;
     replay.odometry.features = features;
     replay.odometry.estimator = estimator;
-    replay.alert_limits = daemon::AlertLimits{1e6, 1e6, 1e6, 1e6};  // compares methods, whatever they state
-    return replaySource(replay, [&](const daemon::PairResult& result, std::size_t expected) {
+    replay.alert_limits = pipeline::AlertLimits{1e6, 1e6, 1e6, 1e6};  // compares methods, whatever they state
+    return replaySource(replay, [&](const pipeline::PairResult& result, std::size_t expected) {
       observer_.progress(static_cast<int>(result.sequence) + 1, static_cast<int>(expected));
     });
   }

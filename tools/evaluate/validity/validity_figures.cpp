@@ -55,7 +55,7 @@ void ValidityFigures::add(const ValidityFigures& other) {
   rate_error = std::max(rate_error, other.rate_error);
 }
 
-bool isAboveLimit(const JudgedMessage& message, const daemon::AlertLimits& limits) {
+bool isAboveLimit(const JudgedMessage& message, const pipeline::AlertLimits& limits) {
   const auto above = [](const Eigen::Vector3d& errors, double limit) {
     return exceeds(errors, Eigen::Vector3d::Constant(limit));
   };
@@ -72,7 +72,7 @@ bool isAboveBound(const JudgedMessage& message) {
 }
 
 ValidityFigures validityFigures(const std::vector<JudgedMessage>& messages,
-                                const daemon::AlertLimits& limits) {
+                                const pipeline::AlertLimits& limits) {
   ValidityFigures figures;
   figures.longest_gap = longestGap(messages);
   for (const JudgedMessage& message : messages) {
@@ -124,7 +124,7 @@ std::string judgedMessagesCsv(const std::vector<JudgedMessage>& messages) {
   csv += "\n";
   for (const JudgedMessage& message : messages) {
     csv += fmt::format("{},{}", message.time_ns / 1000, message.valid ? 1 : 0);
-    for (const daemon::ProtectionLevel* level : {&message.error, &message.bound}) {
+    for (const pipeline::ProtectionLevel* level : {&message.error, &message.bound}) {
       for (const Eigen::Vector3d* values :
            {&level->velocity, &level->angular_rate, &level->motion, &level->rotation}) {
         for (const double value : *values)

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <cartvo/odometry_t.hpp>
@@ -29,6 +30,13 @@ enum class ReplayClock : std::uint8_t {
   arrival,
   visual,
 };
+inline constexpr std::array<std::pair<const char*, ReplayClock>, 6> kReplayClocks{
+    {{"configured", ReplayClock::configured},
+     {"recorded", ReplayClock::recorded},
+     {"auto", ReplayClock::automatic},
+     {"ntp", ReplayClock::ntp},
+     {"arrival", ReplayClock::arrival},
+     {"visual", ReplayClock::visual}}};
 
 /// Readouts that replace those of the rig and the configuration: s, left and right, as CameraModel::readout;
 /// empty for an unknown one.

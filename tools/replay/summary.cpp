@@ -12,8 +12,8 @@
 
 #include "common/statistics.hpp"
 #include "common/units.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/evaluate/evaluation.hpp"
-#include "tools/replay/setting_names.hpp"
 
 namespace cartvo {
 namespace {
@@ -235,7 +235,7 @@ Json stillRegionsJson(const vo::ImageRegions& regions) {
 Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   if (replay.kind != capture::SourceKind::recording) return nullptr;
   Json json;
-  json["choice"] = replayClockName(settings.clock);
+  json["choice"] = daemon::nameOf(settings.clock, kReplayClocks);
   json["stamped_anew"] = replay.clock.has_value();
   if (!replay.clock) return json;
   const auto milliseconds = [](const std::optional<capture::OffsetEstimate>& estimate) -> Json {
@@ -307,8 +307,8 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
                  {"image_size", {rig.left.size.width, rig.left.size.height}},
                  {"baseline_m", rig.baseline()},
                  {"T_body_camera", bodyFromCameraJson(rig)}};
-  json["estimator"] = estimatorName(settings.odometry.estimator);
-  json["online_rig_refinement"] = rigRefinementName(settings.odometry.rig_refinement);
+  json["estimator"] = daemon::nameOf(settings.odometry.estimator, daemon::kEstimators);
+  json["online_rig_refinement"] = daemon::nameOf(settings.odometry.rig_refinement, daemon::kRigRefinements);
   json["features"] = settings.odometry.features;
   json["seed"] = settings.odometry.seed;
   json.update(pairsJson(replay));

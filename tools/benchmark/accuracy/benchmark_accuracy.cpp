@@ -11,13 +11,13 @@
 
 #include "common/atomic_file.hpp"
 #include "common/command_line/parser.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/benchmark/accuracy/accuracy_benchmark.hpp"
 #include "tools/benchmark/accuracy/accuracy_report.hpp"
 #include "tools/benchmark/accuracy/accuracy_samples.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/cartvo/readout_option.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
 namespace cartvo {
@@ -34,7 +34,7 @@ struct AccuracyOptions {
   double offset_ms = 0.0;
   std::string readout_ms = "0";
   std::vector<double> bitrates_mbps;
-  std::vector<std::string> estimators = estimatorNames();
+  std::vector<std::string> estimators = daemon::namesOf(daemon::kEstimators);
   int features = vo::OdometrySettings{}.features;
   fs::path cache = simulate::StreamCache::defaultFolder();
   bool quick = false;
@@ -97,7 +97,7 @@ AccuracySettings settingsOf(const AccuracyOptions& options) {
   settings.worlds = worldsOf(options);
   for (const std::string& name : options.estimators) {
     settings.variants.push_back({name, {}});
-    settings.variants.back().odometry.estimator = estimatorNamed(name);
+    settings.variants.back().odometry.estimator = daemon::valueNamed(name, daemon::kEstimators);
     settings.variants.back().odometry.features = options.features;
   }
   settings.bitrates_mbps = options.bitrates_mbps;
@@ -215,7 +215,7 @@ void addAccuracyBenchmark(Command benchmark) {
   addWorldOptions(command, *options);
   command.addOption("--estimators", options->estimators, "Estimators to compare")
       .delimiter(',')
-      .choices(estimatorNames())
+      .choices(daemon::namesOf(daemon::kEstimators))
       .typeName("LIST")
       .captureDefault();
   command.addOption("--features", options->features, "Target number of features in each left image")

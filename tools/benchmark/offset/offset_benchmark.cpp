@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "daemon/service/configuration_names.hpp"
 #include "tools/benchmark/offset/alternate_frames.hpp"
 #include "tools/benchmark/simultaneous.hpp"
-#include "tools/replay/setting_names.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -91,7 +91,7 @@ class OffsetRun {
     SequenceAccuracy accuracy = measureAccuracy(replay, sequence.truth, settings_.limits);
     accuracy.sequence = sequence.name;
     accuracy.kind = sequence.kind;
-    accuracy.estimator = estimatorName(odometry.estimator);
+    accuracy.estimator = daemon::nameOf(odometry.estimator, daemon::kEstimators);
     return accuracy;
   }
 

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "daemon/service/configuration_names.hpp"
 #include "tools/benchmark/accuracy/true_motion.hpp"
 #include "tools/benchmark/grouping.hpp"
-#include "tools/replay/setting_names.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -55,7 +55,7 @@ ShutterAccuracy measure(const Sequence& sequence, ReadoutModel model, const Shut
   result.model = model;
   result.accuracy = measureAccuracy(replay, sequence.truth, settings.limits);
   result.accuracy.kind = sequence.kind;
-  result.accuracy.estimator = estimatorName(settings.odometry.estimator);
+  result.accuracy.estimator = daemon::nameOf(settings.odometry.estimator, daemon::kEstimators);
   result.rates = AngularRateErrors(replay, sequence.truth);
   return result;
 }

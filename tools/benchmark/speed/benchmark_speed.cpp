@@ -9,11 +9,11 @@
 
 #include "common/command_line/parser.hpp"
 #include "common/image_size.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/benchmark/benchmark_options.hpp"
 #include "tools/benchmark/speed/speed_benchmark.hpp"
 #include "tools/benchmark/speed/speed_report.hpp"
 #include "tools/cartvo/result_files.hpp"
-#include "tools/replay/setting_names.hpp"
 #include "tools/simulate/stream/stream_cache.hpp"
 
 namespace cartvo {
@@ -27,7 +27,7 @@ struct SpeedOptions {
   std::vector<std::string> sizes{"680x420", "1241x376", "1280x720", "1920x1080"};
   std::vector<int> features{500, 1000, 2000, 9600};
   std::vector<int> thread_counts{1, 2};
-  std::string estimator = estimatorName(vo::OdometrySettings{}.estimator);
+  std::string estimator = daemon::nameOf(vo::OdometrySettings{}.estimator, daemon::kEstimators);
   int pairs = SpeedSettings{}.pairs;
   int repeats = SpeedSettings{}.repeats;
   std::filesystem::path cache = simulate::StreamCache::defaultFolder();
@@ -52,7 +52,7 @@ void run(const SpeedOptions& options) {
   settings.data = dataFolder(options.common);
   settings.features = options.features;
   settings.threads = options.thread_counts;
-  settings.odometry.estimator = estimatorNamed(options.estimator);
+  settings.odometry.estimator = daemon::valueNamed(options.estimator, daemon::kEstimators);
   settings.rendering_threads = options.common.threads;
   settings.pairs = options.pairs;
   settings.repeats = options.repeats;
@@ -81,7 +81,7 @@ void addChoices(Command command, SpeedOptions& options) {
       .typeName("LIST")
       .captureDefault();
   command.addOption("--estimator", options.estimator, "Estimator to time")
-      .choices(estimatorNames())
+      .choices(daemon::namesOf(daemon::kEstimators))
       .captureDefault();
   command
       .addOption("--pairs", options.pairs,

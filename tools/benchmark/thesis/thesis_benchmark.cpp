@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tools/replay/setting_names.hpp"
+#include "daemon/service/configuration_names.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -64,8 +64,8 @@ class ThesisRun {
 
  private:
   Replay replayed(const Sequence& sequence, int features, vo::Estimator estimator) {
-    observer_.begin(
-        {sequence.name + ": " + std::to_string(features) + " features, " + estimatorName(estimator)});
+    observer_.begin({sequence.name + ": " + std::to_string(features) + " features, " +
+                     daemon::nameOf(estimator, daemon::kEstimators)});
     ReplaySettings replay;
     replay.source = sequence.folder;
     replay.odometry = settings_.odometry;

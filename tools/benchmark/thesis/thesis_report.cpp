@@ -6,8 +6,8 @@
 
 #include "common/image_size.hpp"
 #include "common/units.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/benchmark/thesis/thesis_values.hpp"
-#include "tools/replay/setting_names.hpp"
 
 namespace cartvo::benchmark {
 namespace {
@@ -120,10 +120,10 @@ std::string rateTable(const ThesisResults& results, ReportFormat format) {
                "yaw, deg/s", "roll, deg/s"});
   for (const RateResult& result : results.rates) {
     const RateErrors& errors = result.errors;
-    table.add({result.sequence, estimatorName(result.estimator), std::to_string(errors.pairs),
-               fixed(errors.velocity.x(), 4), fixed(errors.velocity.y(), 4), fixed(errors.velocity.z(), 4),
-               fixed(kDegreesPerRadian * errors.pitch, 3), fixed(kDegreesPerRadian * errors.yaw, 3),
-               fixed(kDegreesPerRadian * errors.roll, 3)});
+    table.add({result.sequence, daemon::nameOf(result.estimator, daemon::kEstimators),
+               std::to_string(errors.pairs), fixed(errors.velocity.x(), 4), fixed(errors.velocity.y(), 4),
+               fixed(errors.velocity.z(), 4), fixed(kDegreesPerRadian * errors.pitch, 3),
+               fixed(kDegreesPerRadian * errors.yaw, 3), fixed(kDegreesPerRadian * errors.roll, 3)});
   }
   table.add({"thesis", kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue, kNoValue});
   return title + table.as(format) +
@@ -200,7 +200,7 @@ Json ratesJson(const ThesisResults& results) {
   for (const RateResult& result : results.rates) {
     const RateErrors& errors = result.errors;
     json["measured"].push_back({{"sequence", result.sequence},
-                                {"estimator", estimatorName(result.estimator)},
+                                {"estimator", daemon::nameOf(result.estimator, daemon::kEstimators)},
                                 {"pairs", errors.pairs},
                                 {"Vx_m_s", errors.velocity.x()},
                                 {"Vy_m_s", errors.velocity.y()},

@@ -43,7 +43,7 @@ BELOW = {
     "common": set(),
     "vo_core": {"common"},
     "capture": {"common"},
-    "calib": {"common", "vo_core/simd"},
+    "calib": {"common"},
     "client": set(),
     "pipeline": {"common", "vo_core", "capture", "calib"},
     "daemon": {"common", "capture", "calib", "pipeline", "cartvo"},
@@ -76,7 +76,7 @@ def problems_of(path: str) -> list[str]:
         other = included.split("/")[0]
         if other != top:
             allowed = BELOW[top]
-            if other in BELOW and other not in allowed and included.rpartition("/")[0] not in allowed:
+            if other in BELOW and other not in allowed:
                 problems.append(f"{path}: includes {included}: {top} may use {', '.join(sorted(allowed)) or 'nothing'}")
             continue
         if top in LAYERS:

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <cstring>
 
-#include "vo_core/simd/lanes.hpp"
+#include "common/simd/lanes.hpp"
 
 // Gathers the 2x2 neighbourhoods from which pixels at arbitrary positions are interpolated.
 
-namespace cartvo::vo {
+namespace cartvo {
 
 /// Gathers, for sixteen pixels, the bytes at the pixel, right of it, below it and below to the right, lowest
 /// first. `offset`: of the pixels from `corner`; only the first `count` are read.
@@ -27,4 +27,4 @@ inline void gather2x2Scalar(const std::uint8_t* corner, std::ptrdiff_t stride, c
   std::memcpy(&neighbours, fetched, sizeof neighbours);
 }
 
-}  // namespace cartvo::vo
+}  // namespace cartvo

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "vo_core/simd/target_clones.hpp"
+#include "common/simd/target_clones.hpp"
 
-namespace cartvo::vo {
+namespace cartvo {
 
 /// Sixteen numbers that are processed at once by the vector extension of GCC and Clang: one AVX-512 register,
 /// two of AVX or four of SSE or NEON. Never passed by value, because that ABI depends on the processor.
@@ -37,4 +37,4 @@ struct LaneOperations {
   }
 };
 
-}  // namespace cartvo::vo
+}  // namespace cartvo

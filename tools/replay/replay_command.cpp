@@ -130,7 +130,7 @@ Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage
   ProgressBar progress("pairs");
   std::optional<VideoRecorder> video;
   if (!options.video.empty()) options.replay.viewer = &video.emplace(options.video);
-  if (page != nullptr) options.replay.viewer = &page->viewer();
+  if (page != nullptr) options.replay.viewer = page;
   Replay replay =
       replayBySource(options, check, [&](const pipeline::PairResult& result, std::size_t expected) {
         check();

@@ -28,7 +28,7 @@ class ReplayPageTest : public testing::Test {
   }
 
   void addPair(std::uint64_t sequence) {
-    pipeline::PairView* view = page_.viewer().nextView();
+    pipeline::PairView* view = page_.nextView();
     view->left = view->right = cv::Mat(8, 16, CV_8UC1, cv::Scalar(static_cast<double>(sequence)));
     pipeline::PairResult result;
     result.sequence = sequence;

@@ -3,7 +3,8 @@
 #include "common/picture_digest.hpp"
 
 #include <algorithm>
-#include <cstring>
+
+#include "common/digest.hpp"
 
 namespace cartvo {
 namespace {
@@ -12,12 +13,6 @@ constexpr int kRowStep = 8;
 // Least share of pixels that differ from their left neighbour, as one in so many. A picture of texture and
 // noise has more than half, a black one with a line of text less than a 20th.
 constexpr int kVariedShare = 8;
-
-std::uint64_t bytesAt(const std::uint8_t* bytes, std::size_t count) {
-  std::uint64_t eight = 0;
-  std::memcpy(&eight, bytes, count);
-  return eight;
-}
 
 /// 255 for each byte that is not zero.
 std::uint64_t nonZeroBytes(std::uint64_t eight) {
@@ -33,22 +28,20 @@ std::uint64_t pictureDigest(const cv::Mat& image) {
   return pictureDigest(image, {});
 }
 
-/// Fowler, Noll, Vo: FNV-1a, eight bytes at a time, with the upper half of each product mixed into the lower
-/// one, because a product carries upwards only.
 std::uint64_t pictureDigest(const cv::Mat& image, const cv::Mat& mask) {
-  std::uint64_t digest = 14695981039346656037U;
+  constexpr std::size_t kBytes = sizeof(std::uint64_t);
+  Digest digest;
   for (int row = 0; row < image.rows; row += kRowStep) {
     const std::uint8_t* const pixels = image.ptr(row);
     const std::uint8_t* const used = mask.empty() ? nullptr : mask.ptr(row);
-    for (int column = 0; column < image.cols; column += static_cast<int>(sizeof digest)) {
-      const std::size_t count = std::min<std::size_t>(sizeof digest, image.cols - column);
-      std::uint64_t eight = bytesAt(pixels + column, count);
-      if (used != nullptr) eight &= nonZeroBytes(bytesAt(used + column, count));
-      digest = (digest ^ eight) * 1099511628211U;
-      digest ^= digest >> 32;
+    for (int column = 0; column < image.cols; column += static_cast<int>(kBytes)) {
+      const std::size_t count = std::min<std::size_t>(kBytes, image.cols - column);
+      std::uint64_t eight = eightBytes(pixels + column, count);
+      if (used != nullptr) eight &= nonZeroBytes(eightBytes(used + column, count));
+      digest.add(eight);
     }
   }
-  return digest;
+  return digest.value();
 }
 
 bool isUniform(const cv::Mat& image) {

@@ -24,7 +24,7 @@ HOW_IT_WORKS = ROOT / "docs/how-it-works.md"
 MOST_WORDS = {ROOT / "docs/architecture.md": 4000, HOW_IT_WORKS: 3000}
 USER_PAGES_MOST_WORDS = 20_000  # together
 NO_USER_PAGES = {*MOST_WORDS, ROOT / "docs/glossary.md"}
-FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|lab|library|python|systemd|tests|tools|vo_core"
+FOLDERS = ".ci|calib|capture|client|common|config|daemon|debian|docs|examples|lab|library|pipeline|python|systemd|tests|tools|vo_core"
 MAN_ENVIRONMENT = {"MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "PATH": "/usr/bin:/bin"}
 
 

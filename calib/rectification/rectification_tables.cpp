@@ -6,9 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <xxhash.h>
-
 #include "calib/model/lens.hpp"
+#include "common/digest.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -59,8 +58,9 @@ PixelSources buildSources(const CameraModel& camera, const Eigen::Matrix3d& R_re
 }  // namespace
 
 std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& settings) {
-  std::vector<std::uint64_t> words{kTablesVersion};
-  const auto add = [&](double value) { words.push_back(std::bit_cast<std::uint64_t>(value + 0.0)); };
+  Digest digest;
+  digest.add(kTablesVersion);
+  const auto add = [&](double value) { digest.add(std::bit_cast<std::uint64_t>(value + 0.0)); };
   for (const CameraModel* camera : {&rig.left, &rig.right}) {
     add(camera->size.width);
     add(camera->size.height);
@@ -68,15 +68,14 @@ std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& set
       add(value);
     for (const double coefficient : camera->distortion)
       add(coefficient);
-    // Nothing is added for Brown's lenses, so that tables from before there were wide ones stay valid.
-    if (camera->lens == LensModel::wide) add(static_cast<double>(camera->lens));
+    add(static_cast<double>(camera->lens));
   }
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column)
       add(rig.T_right_left.matrix()(row, column));
   }
   add(settings.free_scaling);
-  return XXH3_64bits(words.data(), words.size() * sizeof(words.front()));
+  return digest.value();
 }
 
 RectificationTables buildTables(const Rig& rig, const RectificationSettings& settings) {

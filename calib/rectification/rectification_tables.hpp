@@ -43,7 +43,7 @@ std::uint64_t tablesFingerprint(const Rig& rig, const RectificationSettings& set
 /// Computes the tables. Throws std::invalid_argument if the rig cannot be rectified.
 RectificationTables buildTables(const Rig& rig, const RectificationSettings& settings);
 
-/// Writes the tables atomically: magic, version, size, fingerprint, the arrays, and an XXH3 checksum of
+/// Writes the tables atomically: magic, version, size, fingerprint, the arrays, and a checksum of
 /// everything before it; little-endian.
 void writeTables(const std::filesystem::path& file, const RectificationTables& tables);
 

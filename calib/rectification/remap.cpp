@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "vo_core/simd/bilinear_gather.hpp"
+#include "common/simd/bilinear_gather.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -18,45 +18,44 @@ struct Positions {
 
 /// Loads the 2x2 pixels at each position, one position at a time: the pixel, the one to its right, below, and
 /// below to the right, lowest byte first.
-void gatherPixels(const cv::Mat& source, const Positions& positions, vo::IntLanes& pixels) {
-  vo::ShortLanes row, column;
+void gatherPixels(const cv::Mat& source, const Positions& positions, IntLanes& pixels) {
+  ShortLanes row, column;
   std::memcpy(&row, positions.row, sizeof row);
   std::memcpy(&column, positions.column, sizeof column);
   const auto stride = static_cast<int>(source.step[0]);
-  const vo::IntLanes offset =
-      __builtin_convertvector(row, vo::IntLanes) * stride + __builtin_convertvector(column, vo::IntLanes);
-  vo::gather2x2Scalar(source.data, stride, offset, vo::kLanes, pixels);
+  const IntLanes offset =
+      __builtin_convertvector(row, IntLanes) * stride + __builtin_convertvector(column, IntLanes);
+  gather2x2Scalar(source.data, stride, offset, kLanes, pixels);
 }
 
 /// Interpolates bilinearly between the 2x2 pixels, exactly, and rounds once.
-void interpolate(const vo::IntLanes& pixels, const Positions& positions, std::uint8_t* target) {
-  vo::ShortLanes x16, y16;
-  vo::LaneOperations::load(positions.column_fraction, x16);
-  vo::LaneOperations::load(positions.row_fraction, y16);
-  const vo::IntLanes x = __builtin_convertvector(x16, vo::IntLanes),
-                     y = __builtin_convertvector(y16, vo::IntLanes);
+void interpolate(const IntLanes& pixels, const Positions& positions, std::uint8_t* target) {
+  ShortLanes x16, y16;
+  LaneOperations::load(positions.column_fraction, x16);
+  LaneOperations::load(positions.row_fraction, y16);
+  const IntLanes x = __builtin_convertvector(x16, IntLanes), y = __builtin_convertvector(y16, IntLanes);
   // Interpolate along the rows: a pair of values for each position, above and below.
-  const vo::IntLanes x_of_both = x | x << 16, left_bytes = pixels & 0x00ff00ff;
-  const vo::WideShorts &both = reinterpret_cast<const vo::WideShorts&>(pixels),
-                       &left = reinterpret_cast<const vo::WideShorts&>(left_bytes),
-                       &share = reinterpret_cast<const vo::WideShorts&>(x_of_both);
-  const vo::WideShorts between = (both << 8) + share * ((both >> 8) - left);  // modulo 2^16
-  vo::IntLanes sum;
-  vo::LaneOperations::blendRows(reinterpret_cast<const vo::IntLanes&>(between), y << 8, sum);
-  vo::LaneOperations::storeBytes((sum + (1 << 15)) >> 16, target);
+  const IntLanes x_of_both = x | x << 16, left_bytes = pixels & 0x00ff00ff;
+  const WideShorts &both = reinterpret_cast<const WideShorts&>(pixels),
+                   &left = reinterpret_cast<const WideShorts&>(left_bytes),
+                   &share = reinterpret_cast<const WideShorts&>(x_of_both);
+  const WideShorts between = (both << 8) + share * ((both >> 8) - left);  // modulo 2^16
+  IntLanes sum;
+  LaneOperations::blendRows(reinterpret_cast<const IntLanes&>(between), y << 8, sum);
+  LaneOperations::storeBytes((sum + (1 << 15)) >> 16, target);
 }
 
 void remapSixteen(const cv::Mat& source, const Positions& positions, std::uint8_t* target) {
-  vo::IntLanes pixels;
+  IntLanes pixels;
   gatherPixels(source, positions, pixels);
   interpolate(pixels, positions, target);
 }
 
 /// Remaps the last `count` pixels of a row, padded to sixteen with copies of the last position.
 void remapRest(const cv::Mat& source, const Positions& positions, int count, std::uint8_t* target) {
-  std::array<std::uint16_t, vo::kLanes> column, row;
-  std::array<std::uint8_t, vo::kLanes> x, y, blended;
-  for (int i = 0; i < vo::kLanes; ++i) {
+  std::array<std::uint16_t, kLanes> column, row;
+  std::array<std::uint8_t, kLanes> x, y, blended;
+  for (int i = 0; i < kLanes; ++i) {
     const int from = std::min(i, count - 1);
     column[i] = positions.column[from];
     row[i] = positions.row[from];
@@ -71,11 +70,11 @@ CARTVO_TARGET_CLONES void remapHere(const cv::Mat& source, const PixelSources& s
   for (int row = 0; row < target.rows; ++row) {
     std::uint8_t* const out = target.ptr<std::uint8_t>(row);
     const std::size_t first = static_cast<std::size_t>(row) * target.cols;
-    for (int column = 0; column < target.cols; column += vo::kLanes) {
+    for (int column = 0; column < target.cols; column += kLanes) {
       const std::size_t at = first + column;
       const Positions positions{sources.column.data() + at, sources.row.data() + at,
                                 sources.column_fraction.data() + at, sources.row_fraction.data() + at};
-      if (const int count = target.cols - column; count < vo::kLanes)
+      if (const int count = target.cols - column; count < kLanes)
         remapRest(source, positions, count, out + column);
       else
         remapSixteen(source, positions, out + column);

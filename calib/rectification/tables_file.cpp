@@ -8,7 +8,7 @@
 //       20      8  fingerprint of rig and settings
 //       28         left, then right: columns (2 bytes each), rows (2), column fractions (1), row fractions
 //       (1)
-//      end      8  XXH3 (64 bits) of everything before it
+//      end      8  digestOf() everything before it
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -17,10 +17,9 @@
 #include <string>
 #include <string_view>
 
-#include <xxhash.h>
-
 #include "calib/rectification/rectification_tables.hpp"
 #include "common/atomic_file.hpp"
+#include "common/digest.hpp"
 #include "common/image_size.hpp"
 
 namespace cartvo::calib {
@@ -29,7 +28,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the arrays are written in the host's byte order");
 
 constexpr std::string_view kMagic = "cartvoRT";
-constexpr std::uint32_t kLayoutVersion = 1;
+constexpr std::uint32_t kLayoutVersion = 2;
 constexpr std::size_t kBytesPerPixel = 6;
 
 template <typename Value>
@@ -111,7 +110,7 @@ void writeTables(const std::filesystem::path& file, const RectificationTables& t
     append(bytes, sources->column_fraction);
     append(bytes, sources->row_fraction);
   }
-  append(bytes, static_cast<std::uint64_t>(XXH3_64bits(bytes.data(), bytes.size())));
+  append(bytes, digestOf(bytes));
   writeFileAtomically(file, bytes);
 }
 
@@ -136,7 +135,7 @@ RectificationTables readTables(const std::filesystem::path& file, cv::Size size,
   if (bytes.size() != length) fail("is cut short or too long");
   const std::string_view hashed = std::string_view(bytes).substr(0, bytes.size() - kChecksum);
   Reader checksum(std::string_view(bytes).substr(hashed.size()));
-  if (checksum.read<std::uint64_t>() != XXH3_64bits(hashed.data(), hashed.size())) {
+  if (checksum.read<std::uint64_t>() != digestOf(hashed)) {
     fail("is damaged: its checksum does not match");
   }
   RectificationTables tables;

@@ -11,6 +11,7 @@
 #include <openssl/x509.h>
 
 #include "common/ascii_text.hpp"
+#include "common/base64.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -68,10 +69,7 @@ std::string keyOf(const std::string& certificate) {
   unsigned int digest_size = 0;
   EVP_Digest(der, static_cast<std::size_t>(size), digest.data(), &digest_size, EVP_sha256(), nullptr);
   OPENSSL_free(der);
-  std::array<unsigned char, 2 * EVP_MAX_MD_SIZE> base64{};
-  const int length = EVP_EncodeBlock(base64.data(), digest.data(), static_cast<int>(digest_size));
-  return "sha256//" +
-         std::string(reinterpret_cast<const char*>(base64.data()), static_cast<std::size_t>(length));
+  return "sha256//" + encodeBase64({reinterpret_cast<const char*>(digest.data()), digest_size});
 }
 
 void initialiseCurl() {

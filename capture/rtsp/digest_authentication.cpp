@@ -11,7 +11,6 @@
 #include <utility>
 
 extern "C" {
-#include <libavutil/base64.h>
 #include <libavutil/md5.h>
 #include <libavutil/mem.h>
 #include <libavutil/sha.h>
@@ -19,6 +18,7 @@ extern "C" {
 
 #include "capture/rtsp/rtsp_message.hpp"
 #include "common/ascii_text.hpp"
+#include "common/base64.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -169,12 +169,7 @@ std::string randomNonce() {
 }
 
 std::string basicAuthorization(const Credentials& credentials) {
-  const std::string text = credentials.user + ":" + credentials.password;
-  std::string encoded(AV_BASE64_SIZE(text.size()), '\0');
-  av_base64_encode(encoded.data(), static_cast<int>(encoded.size()),
-                   reinterpret_cast<const std::uint8_t*>(text.data()), static_cast<int>(text.size()));
-  encoded.pop_back();  // the terminating zero
-  return "Basic " + encoded;
+  return "Basic " + encodeBase64(credentials.user + ":" + credentials.password);
 }
 
 }  // namespace

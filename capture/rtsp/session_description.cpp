@@ -6,14 +6,13 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
-
-extern "C" {
-#include <libavutil/base64.h>
-}
 
 #include "capture/rtsp/rtsp_message.hpp"
 #include "common/ascii_text.hpp"
+#include "common/base64.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -49,13 +48,13 @@ int number(std::string_view text) {
 /// skipped: the stream repeats them.
 void appendParameterSets(std::string_view list, std::vector<std::uint8_t>& sets) {
   while (!list.empty()) {
-    const std::string unit(take(list, ','));
+    std::string unit(take(list, ','));
     if (unit.empty() || unit.size() > kMaxParameterSets) continue;
-    std::vector<std::uint8_t> bytes(AV_BASE64_DECODE_SIZE(unit.size()) + 4);
-    const int size = av_base64_decode(bytes.data(), unit.c_str(), static_cast<int>(bytes.size()));
-    if (size <= 0) continue;
+    unit.append((4 - unit.size() % 4) % 4, '=');  // some cameras leave the padding out
+    const std::optional<std::string> bytes = decodeBase64(unit);
+    if (!bytes || bytes->empty()) continue;
     sets.insert(sets.end(), {0, 0, 0, 1});
-    sets.insert(sets.end(), bytes.begin(), bytes.begin() + size);
+    sets.insert(sets.end(), bytes->begin(), bytes->end());
   }
 }
 

@@ -140,7 +140,7 @@ void setClock(health_t& message, const capture::ClockStatus& clock) {
   message.clock_by_pictures_ms = milliseconds(value(clock.visual));
 }
 
-void setCounts(health_t& message, const PipelineCounts& counts) {
+void setCounts(health_t& message, const pipeline::PipelineCounts& counts) {
   message.pairs = static_cast<std::int64_t>(counts.pairs);
   message.dropped_no_partner = static_cast<std::int64_t>(counts.dropped_no_partner);
   message.dropped_damaged = static_cast<std::int64_t>(counts.dropped_damaged);
@@ -171,7 +171,7 @@ void setSelfCheck(health_t& message, const SelfCheck& check) {
   message.self_check = shortened(check.message());
 }
 
-double decodeMilliseconds(const FrameInstants& frame) {
+double decodeMilliseconds(const pipeline::FrameInstants& frame) {
   return static_cast<double>(frame.decoded_ns - frame.arrival_ns) * 1e-6;
 }
 
@@ -180,7 +180,7 @@ double decodeMilliseconds(const FrameInstants& frame) {
 HealthMonitor::HealthMonitor(Clock::time_point start, const StatedReadouts& readouts)
     : start_(start), last_(start), self_check_(readouts) {}
 
-void HealthMonitor::addPair(const PairResult& result, const odometry_t& message) {
+void HealthMonitor::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
   self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);

@@ -13,7 +13,7 @@
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
 #include "daemon/diagnostics/self_check.hpp"
-#include "daemon/pipeline/pipeline.hpp"
+#include "pipeline/pipeline.hpp"
 
 // Statistics for the periodic health message.
 
@@ -23,7 +23,7 @@ namespace cartvo::daemon {
 struct HealthSnapshot {
   capture::CameraHealth left;
   capture::CameraHealth right;
-  PipelineCounts counts;
+  pipeline::PipelineCounts counts;
   capture::ClockStatus clock;
   std::string problem;     ///< the problem to fix first; empty: see the cameras' last errors
   int features = 0;        ///< as configured
@@ -41,7 +41,7 @@ class HealthMonitor {
   explicit HealthMonitor(Clock::time_point start, const StatedReadouts& readouts = {});
 
   /// Adds a processed pair, published as `message`.
-  void addPair(const PairResult& result, const odometry_t& message);
+  void addPair(const pipeline::PairResult& result, const odometry_t& message);
   /// Counts a message published for a pair that did not arrive.
   void addMissedPair();
 
@@ -55,7 +55,7 @@ class HealthMonitor {
   struct Window {
     int features = std::numeric_limits<int>::max();       // smallest target number
     vo::IntegrityState state = vo::IntegrityState::lost;  // after the last pair
-    std::optional<LimitedBound> worst;                    // of the pairs above an alert limit
+    std::optional<pipeline::LimitedBound> worst;          // of the pairs above an alert limit
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
 

@@ -11,7 +11,6 @@
 
 #include "daemon/publish/camera_health_names.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
-#include "vo_core/stage_observer.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -155,7 +154,7 @@ const char* waitingCamera(const health_t& health) {
 
 }  // namespace
 
-void PairTotals::add(const PairResult& result, const odometry_t& message) {
+void PairTotals::add(const pipeline::PairResult& result, const odometry_t& message) {
   const auto seconds = [](std::int64_t ns) {
     return 1e-9 * static_cast<double>(std::max<std::int64_t>(ns, 0));
   };

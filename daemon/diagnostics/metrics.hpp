@@ -8,7 +8,7 @@
 #include <cartvo/health_t.hpp>
 #include <cartvo/odometry_t.hpp>
 
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 // Answers of /metrics and /healthz, without the server.
 
@@ -28,10 +28,10 @@ struct PairTotals {
   std::array<std::uint64_t, kLatencyBounds.size()> latency_counts{};  ///< of pairs up to each bound
 
   std::uint64_t above_alert_limit = 0;  ///< pairs
-  ProtectionLevel level;
+  pipeline::ProtectionLevel level;
   std::int8_t quality = 0;
 
-  void add(const PairResult& result, const odometry_t& message);
+  void add(const pipeline::PairResult& result, const odometry_t& message);
 };
 
 /// Text format 0.0.4 of Prometheus: each number of health_t under its name with the prefix cartvo_ (of a
@@ -44,7 +44,7 @@ struct DaemonState {
   Clock::time_point last_message;  ///< when an odometry message was published; at first the start
   Clock::time_point last_valid;    ///< when a VALID one was
   std::int32_t reasons = 0;        ///< of the last message
-  std::string stalled;             ///< as stalledReader()
+  std::string stalled;             ///< as PipelineProgress::stalledReader()
   health_t health{};               ///< the last one published
 };
 

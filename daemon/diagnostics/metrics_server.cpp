@@ -73,7 +73,7 @@ const std::string& MetricsServer::address() const {
   return implementation_->address;
 }
 
-void MetricsServer::addPair(const PairResult& result, const odometry_t& message) {
+void MetricsServer::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   const std::lock_guard lock(implementation_->mutex);
   implementation_->totals.add(result, message);
   implementation_->noteMessage(message);

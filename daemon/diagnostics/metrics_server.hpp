@@ -25,7 +25,7 @@ class MetricsServer {
 
   // Called by the odometry's thread.
 
-  void addPair(const PairResult& result, const odometry_t& message);
+  void addPair(const pipeline::PairResult& result, const odometry_t& message);
   void addMissedPair(const odometry_t& message);
   void setStalled(const std::string& stalled);
   void setHealth(const health_t& health);

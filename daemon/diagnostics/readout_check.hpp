@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "vo_core/shutter.hpp"
+#include "pipeline/shutters.hpp"
 
 namespace cartvo::daemon {
 

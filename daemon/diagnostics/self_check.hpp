@@ -8,8 +8,7 @@
 
 #include "daemon/diagnostics/readout_check.hpp"
 #include "daemon/diagnostics/stereo_match_monitor.hpp"
-#include "vo_core/rig_calibration_error.hpp"
-#include "vo_core/stereo_odometry.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo::daemon {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "vo_core/stereo_odometry.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo::daemon {
 

@@ -16,7 +16,7 @@ bool LiveHandover::hasViewer(Clock::time_point now) const {
   return last != 0 && now.time_since_epoch().count() - last < kViewerSilence.count();
 }
 
-PairView* LiveHandover::nextViewAt(Clock::time_point now) {
+pipeline::PairView* LiveHandover::nextViewAt(Clock::time_point now) {
   is_filled_ = false;
   if (!hasViewer(now)) return nullptr;
   if (now < next_view_) return nullptr;

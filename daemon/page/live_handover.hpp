@@ -14,13 +14,13 @@
 #include "common/threads/mailbox.hpp"
 #include "daemon/page/health_json.hpp"
 #include "daemon/page/page_sample.hpp"
-#include "daemon/pipeline/pair_view.hpp"
+#include "pipeline/pair_view.hpp"
 
 namespace cartvo::daemon {
 
 /// A pair for the page.
 struct PageSnapshot {
-  PairView view;
+  pipeline::PairView view;
   std::int64_t sequence = 0;  ///< of the pair's message
 };
 
@@ -32,15 +32,15 @@ struct PageHealth {
 };
 
 /// Hands what the odometry's thread knows to the page's thread. Neither waits.
-class LiveHandover final : public PairViewer {
+class LiveHandover final : public pipeline::PairViewer {
  public:
   using Clock = std::chrono::steady_clock;
 
   // Called by the odometry's thread.
 
   /// Wants ten pairs a second while there are viewers.
-  PairView* nextView() override { return nextViewAt(Clock::now()); }
-  PairView* nextViewAt(Clock::time_point now);
+  pipeline::PairView* nextView() override { return nextViewAt(Clock::now()); }
+  pipeline::PairView* nextViewAt(Clock::time_point now);
   /// `sample`: of the pair that nextView() was called for last.
   void addPair(const PageSample& sample);
   void addMissedPair(const PageSample& sample) { samples_.push(sample); }

@@ -19,7 +19,7 @@ constexpr int kMaxWidth = 960;  // px
 constexpr int kQuality = 65;    // percent
 constexpr int kDigits = 5;
 
-std::string stagesJson(const StageTimes& times) {
+std::string stagesJson(const pipeline::StageTimes& times) {
   constexpr double kMilliseconds = 1e3;
   std::string json = "{";
   for (int i = 0; i < vo::kStageCount; ++i) {
@@ -42,7 +42,7 @@ std::string regionsJson(const vo::ImageRegions& regions) {
 
 }  // namespace
 
-EncodedPictures encodePictures(const PairView& view) {
+EncodedPictures encodePictures(const pipeline::PairView& view) {
   EncodedPictures pictures;
   if (view.left.empty() || view.left.size() != view.right.size()) return pictures;
   while (view.left.cols > kMaxWidth * pictures.scale)
@@ -64,7 +64,8 @@ EncodedPictures encodePictures(const PairView& view) {
   return pictures;
 }
 
-std::string picturesJson(const EncodedPictures& pictures, const PairView& view, std::int64_t sequence) {
+std::string picturesJson(const EncodedPictures& pictures, const pipeline::PairView& view,
+                         std::int64_t sequence) {
   std::string json = fmt::format(
       R"({{"width":{},"height":{},"scale":{},"sequence":{},"stages_ms":{},"still":[{}],"landmarks":[)",
       pictures.width, pictures.height, pictures.scale, sequence, stagesJson(view.times),

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "daemon/pipeline/pair_view.hpp"
+#include "pipeline/pair_view.hpp"
 
 // Data that the page receives for one instant: numbers, landmarks and both pictures, which belong together.
 
@@ -19,13 +19,14 @@ struct EncodedPictures {
 };
 
 /// Uses no threads of OpenCV, which are the odometry's.
-EncodedPictures encodePictures(const PairView& view);
+EncodedPictures encodePictures(const pipeline::PairView& view);
 
 /// {"width": .., "height": .., "scale": .., "sequence": .., "stages_ms": {NAME: .., ..., "all": ..}, "still":
 /// [[x, y, width, height], ...], "landmarks": [[left x, left y, right x, right y, weight, age, inverse
 /// depth],
 /// ...]}, px of the rectified pictures. `sequence`: of the pair's message.
-std::string picturesJson(const EncodedPictures& pictures, const PairView& view, std::int64_t sequence);
+std::string picturesJson(const EncodedPictures& pictures, const pipeline::PairView& view,
+                         std::int64_t sequence);
 
 /// Length of `json` in bytes (32 bits, little-endian), `json`, `jpeg`.
 std::string frameBytes(const std::string& json, const std::string& jpeg);

@@ -6,7 +6,7 @@
 
 #include <cartvo/odometry_t.hpp>
 
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 // The numbers of one odometry message that the status page plots.
 

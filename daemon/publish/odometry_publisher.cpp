@@ -74,7 +74,7 @@ void setAccelerationUnknown(odometry_t& message) {
   setUnknown(message.acceleration_covariance_body);
 }
 
-void setBounds(odometry_t& message, const ProtectionLevel& level) {
+void setBounds(odometry_t& message, const pipeline::ProtectionLevel& level) {
   Eigen::Map<Eigen::Vector3d>(message.velocity_bound) = level.velocity;
   Eigen::Map<Eigen::Vector3d>(message.angular_rate_bound) = level.angular_rate;
   Eigen::Map<Eigen::Vector3d>(message.motion_bound) = level.motion;
@@ -98,17 +98,17 @@ std::int64_t randomSourceId() {
   return std::uniform_int_distribution<std::int64_t>(1, std::numeric_limits<std::int64_t>::max())(random);
 }
 
-std::int32_t noPairBits(NoPairCause cause) {
+std::int32_t noPairBits(pipeline::NoPairCause cause) {
   constexpr std::int32_t kNoPair = odometry_t::REASON_NO_PAIR;
   constexpr std::int32_t kDamagedFrame = odometry_t::REASON_DAMAGED_FRAME;
   constexpr std::int32_t kWrongSize = odometry_t::REASON_WRONG_SIZE;
   switch (cause) {
-    case NoPairCause::damaged:
+    case pipeline::NoPairCause::damaged:
       return kNoPair | kDamagedFrame;
-    case NoPairCause::wrong_size:
+    case pipeline::NoPairCause::wrong_size:
       return kNoPair | kWrongSize;
-    case NoPairCause::no_frames:
-    case NoPairCause::no_partner:
+    case pipeline::NoPairCause::no_frames:
+    case pipeline::NoPairCause::no_partner:
       break;
   }
   return kNoPair;
@@ -125,7 +125,7 @@ std::int32_t reasonBits(const vo::OdometryReasons& reasons) {
   return bits;
 }
 
-odometry_t odometryMessage(const PairResult& result) {
+odometry_t odometryMessage(const pipeline::PairResult& result) {
   const vo::OdometryEstimate& estimate = result.estimate;
   odometry_t message{};
   message.utime = result.left.exposure_ns / kNanosecondsPerMicrosecond;
@@ -160,7 +160,7 @@ odometry_t odometryMessage(const PairResult& result) {
   return message;
 }
 
-odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last) {
+odometry_t odometryMessage(const pipeline::NoPair& no_pair, const odometry_t& last) {
   odometry_t message{};
   message.utime = no_pair.due_ns / kNanosecondsPerMicrosecond;
   message.status = odometry_t::INVALID;
@@ -179,11 +179,11 @@ OdometryPublisher::OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds ti
   setPose(last_, Eigen::Isometry3d::Identity());
 }
 
-const odometry_t& OdometryPublisher::publish(const PairResult& result) {
+const odometry_t& OdometryPublisher::publish(const pipeline::PairResult& result) {
   return send(odometryMessage(result));
 }
 
-const odometry_t& OdometryPublisher::publish(const NoPair& no_pair) {
+const odometry_t& OdometryPublisher::publish(const pipeline::NoPair& no_pair) {
   return send(odometryMessage(no_pair, last_));
 }
 

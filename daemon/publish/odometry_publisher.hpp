@@ -5,7 +5,7 @@
 
 #include <cartvo/odometry_t.hpp>
 
-#include "daemon/pipeline/pipeline.hpp"
+#include "pipeline/pipeline.hpp"
 
 namespace lcm {
 class LCM;
@@ -20,10 +20,10 @@ std::int32_t reasonBits(const vo::OdometryReasons& reasons);
 
 /// Builds the message for one pair, with the source id of a replay. daemon/messages/odometry_t.lcm defines
 /// the content of an invalid one.
-odometry_t odometryMessage(const PairResult& result);
+odometry_t odometryMessage(const pipeline::PairResult& result);
 
 /// Builds the message for a pair that did not arrive, with the pose of `last`.
-odometry_t odometryMessage(const NoPair& no_pair, const odometry_t& last);
+odometry_t odometryMessage(const pipeline::NoPair& no_pair, const odometry_t& last);
 
 /// Publishes CARTVO_ODOMETRY: one message for each pair and for each pair that did not arrive, numbered
 /// without gaps, from a source id of its own.
@@ -33,8 +33,8 @@ class OdometryPublisher {
   OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live);
 
   /// Both return the message as it was sent, or as it would have been if sending failed.
-  const odometry_t& publish(const PairResult& result);
-  const odometry_t& publish(const NoPair& no_pair);
+  const odometry_t& publish(const pipeline::PairResult& result);
+  const odometry_t& publish(const pipeline::NoPair& no_pair);
 
   /// Of the messages from now on.
   void setTimeToLive(std::chrono::milliseconds time_to_live) { time_to_live_ = time_to_live; }

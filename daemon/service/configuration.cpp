@@ -175,7 +175,7 @@ vo::RigRefinement rigRefinement(const StrictYaml& yaml) {
 }
 
 /// Limits above these ranges are none; below them no motion is ever valid.
-void readAlertLimits(const StrictYaml& yaml, AlertLimits& limits) {
+void readAlertLimits(const StrictYaml& yaml, pipeline::AlertLimits& limits) {
   yaml.allowOnly(kAlertLimitsKeys);
   if (yaml.has("velocity")) limits.velocity = yaml["velocity"].number(0.01, 100.0);
   if (yaml.has("angular_rate"))

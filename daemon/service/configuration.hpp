@@ -15,9 +15,8 @@
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "common/http/listen_address.hpp"
-#include "daemon/pipeline/protection_level.hpp"
 #include "daemon/publish/pose_publisher.hpp"
-#include "vo_core/odometry_settings.hpp"
+#include "pipeline/protection_level.hpp"
 
 // Configuration file of cartvod.
 
@@ -76,7 +75,7 @@ struct Configuration {
   std::filesystem::path tables;  ///< absolute; empty: tables are computed at each start
 
   vo::OdometrySettings odometry;
-  AlertLimits alert_limits;
+  pipeline::AlertLimits alert_limits;
   int threads = 2;  ///< for the image operations of one pair
 
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";

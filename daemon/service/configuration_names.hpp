@@ -1,12 +1,16 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/service/configuration.hpp"
 
-// Names of values in the configuration file, for reading and writing.
+// Names of values in the configuration file, on command lines and in results.
 
 namespace cartvo::daemon {
 
@@ -46,6 +50,22 @@ const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, 
     if (named == value) return name;
   }
   return "";
+}
+
+/// `name` must be one of the choices.
+template <typename Choices>
+auto valueNamed(std::string_view name, const Choices& choices) {
+  return std::find_if(choices.begin(), choices.end(),
+                      [&](const auto& choice) { return choice.first == name; })
+      ->second;
+}
+
+template <typename Choices>
+std::vector<std::string> namesOf(const Choices& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices)
+    names.emplace_back(name);
+  return names;
 }
 
 }  // namespace cartvo::daemon

@@ -27,10 +27,8 @@
 #include "daemon/diagnostics/journal.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/diagnostics/metrics_server.hpp"
-#include "daemon/diagnostics/stalled_reader.hpp"
 #include "daemon/diagnostics/validity_log.hpp"
 #include "daemon/page/status_page.hpp"
-#include "daemon/pipeline/pipeline.hpp"
 #include "daemon/publish/channel_reservation.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
@@ -41,6 +39,7 @@
 #include "daemon/service/live_camera.hpp"
 #include "daemon/service/live_recording.hpp"
 #include "daemon/service/service_manager.hpp"
+#include "pipeline/pipeline.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -58,7 +57,7 @@ calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::pat
 
 /// `clock` stamps the frames and gets the odometry's estimate of the time offset; it must outlive the
 /// pipeline.
-PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock) {
+pipeline::PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock) {
   return {.image_size = rig.left.size,
           .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); }};
 }
@@ -86,8 +85,8 @@ class Daemon::Implementation {
  private:
   void startPage();
   bool mayPublish();
-  void onPair(const PairResult& result);
-  void onNoPair(const NoPair& no_pair);
+  void onPair(const pipeline::PairResult& result);
+  void onNoPair(const pipeline::NoPair& no_pair);
   void tick();
   void applyReload();
   void publishHealth(Clock::time_point now);
@@ -106,8 +105,8 @@ class Daemon::Implementation {
   capture::StereoTimestamper clock_;
   LiveCamera left_;
   LiveCamera right_;
-  PairProcessor processor_;
-  Pipeline pipeline_;
+  pipeline::PairProcessor processor_;
+  pipeline::Pipeline pipeline_;
   PosePublisher pose_publisher_;
   HealthMonitor health_;
   std::unique_ptr<MetricsServer> metrics_;  ///< empty: not configured, as is the next
@@ -133,7 +132,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       left_(configuration, capture::CameraSide::left, rig_.left.size, clock_),
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables),
-                 {configuration.odometry, AbsentReadout::unknown, configuration.alert_limits}),
+                 {configuration.odometry, pipeline::AbsentReadout::unknown, configuration.alert_limits}),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
       pose_publisher_(*lcm_, configuration.pose_channel, configuration.pose_velocity),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
@@ -176,10 +175,10 @@ void Daemon::Implementation::run() {
                sizeText(rig_.left.size), 1e3 * rig_.baseline(), configuration_.left.url,
                configuration_.right.url);
   service_.setStatus("waiting for both cameras");
-  pipeline_.runLive({[this](const PairResult& result) { onPair(result); },
-                     [this](const NoPair& no_pair) { onNoPair(no_pair); }});
+  pipeline_.runLive({[this](const pipeline::PairResult& result) { onPair(result); },
+                     [this](const pipeline::NoPair& no_pair) { onNoPair(no_pair); }});
   service_.notifyStopping();
-  const PipelineCounts counts = pipeline_.counts();
+  const pipeline::PipelineCounts counts = pipeline_.counts();
   spdlog::info("stopped after {} pairs, {} of them skipped to stay current", counts.pairs, counts.skipped);
 }
 
@@ -193,7 +192,7 @@ bool Daemon::Implementation::mayPublish() {
   return is_sole_publisher_;
 }
 
-void Daemon::Implementation::onPair(const PairResult& result) {
+void Daemon::Implementation::onPair(const pipeline::PairResult& result) {
   if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(result);
   pose_publisher_.publish(message);
@@ -205,7 +204,7 @@ void Daemon::Implementation::onPair(const PairResult& result) {
   tick();
 }
 
-void Daemon::Implementation::onNoPair(const NoPair& no_pair) {
+void Daemon::Implementation::onNoPair(const pipeline::NoPair& no_pair) {
   if (!mayPublish()) return;
   const odometry_t& message = publisher_.publish(no_pair);
   health_.addMissedPair();
@@ -234,12 +233,13 @@ void Daemon::Implementation::applyReload() {
   pose_publisher_.setChannel(next->pose_channel, next->pose_velocity);
 }
 
-/// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog and publishes
-/// the health message when it is due.
+/// Runs once per odometry message, so at the frame rate even without pairs: feeds the watchdog, unless a
+/// reader is stalled, and publishes the health message when it is due. A stalled odometry starves the
+/// watchdog.
 void Daemon::Implementation::tick() {
   applyReload();
   const std::string stalled =
-      stalledReader(pipeline_.progress(), std::max(left_.readerTimeout(), right_.readerTimeout()));
+      pipeline_.progress().stalledReader(std::max(left_.readerTimeout(), right_.readerTimeout()));
   if (metrics_) metrics_->setStalled(stalled);
   if (page_) page_->setStalled(stalled);
   if (stalled.empty()) {

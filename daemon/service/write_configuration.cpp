@@ -36,7 +36,7 @@ void emitPage(YAML::Emitter& yaml, const PageConfiguration& page) {
 }
 
 /// Numbers of nine digits: 3, not 3.0000000000000004.
-void emitAlertLimits(YAML::Emitter& yaml, const AlertLimits& limits) {
+void emitAlertLimits(YAML::Emitter& yaml, const pipeline::AlertLimits& limits) {
   const auto emit = [&yaml](const char* key, double value) {
     yaml << YAML::Key << key << fmt::format("{:.9g}", value);
   };

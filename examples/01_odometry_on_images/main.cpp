@@ -11,11 +11,11 @@ int main(int argc, char** argv) try {
   using namespace cartvo;
   if (argc != 2) return std::cerr << "usage: odometry_on_images FOLDER\n", 2;
   const capture::StereoSource source = capture::openSource(argv[1]);
-  const calib::Rig rig = daemon::findRig(source, argv[1], {}).rig;
+  const calib::Rig rig = pipeline::findRig(source, argv[1], {}).rig;
   const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   vo::StereoOdometry odometry(
-      daemon::stereoCamera(rectifier.rectification()), vo::OdometrySettings{},
-      daemon::stereoShutters(rig, rectifier.rectification(), daemon::absentReadoutOf(source.kind)),
+      pipeline::stereoCamera(rectifier.rectification()), vo::OdometrySettings{},
+      pipeline::stereoShutters(rig, rectifier.rectification(), pipeline::absentReadoutOf(source.kind)),
       {rectifier.leftMask(), rectifier.rightMask()});
   capture::PairReader reader(*source.left, *source.right, {.period_ns = source.period_ns});
   vo::NullStageObserver observer;

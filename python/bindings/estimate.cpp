@@ -3,9 +3,9 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/pipeline/body_motion.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
+#include "pipeline/body_motion.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 
@@ -18,10 +18,10 @@ using vo::OdometryEstimate;
 
 /// Velocities in the axes of the left camera: those at the exposure if they are known, else the means over
 /// the time step; NaN if there is no motion.
-daemon::BodyMotion cameraMotion(const OdometryEstimate& estimate) {
-  daemon::BodyMotion motion = daemon::bodyMotion(estimate, Eigen::Isometry3d::Identity());
+pipeline::BodyMotion cameraMotion(const OdometryEstimate& estimate) {
+  pipeline::BodyMotion motion = pipeline::bodyMotion(estimate, Eigen::Isometry3d::Identity());
   if (estimate.valid && estimate.twist)
-    daemon::setTwist(motion, *estimate.twist, Eigen::Isometry3d::Identity(), 0.0);
+    pipeline::setTwist(motion, *estimate.twist, Eigen::Isometry3d::Identity(), 0.0);
   return motion;
 }
 

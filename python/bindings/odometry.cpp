@@ -6,7 +6,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "daemon/pipeline/rectified_camera.hpp"
+#include "pipeline/rectified_camera.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/pair.hpp"
@@ -73,8 +73,8 @@ std::unique_ptr<Odometry> ofRectifier(const RigRectifier& rectifier, const vo::O
                                       bool unknown_readout) {
   const calib::Rectifier& images = rectifier.rectifier();
   return std::make_unique<Odometry>(
-      daemon::stereoCamera(images.rectification()), settings,
-      daemon::stereoShutters(rectifier.rig(), images.rectification(), absentReadout(unknown_readout)),
+      pipeline::stereoCamera(images.rectification()), settings,
+      pipeline::stereoShutters(rectifier.rig(), images.rectification(), absentReadout(unknown_readout)),
       vo::StereoMasks{images.leftMask(), images.rightMask()});
 }
 

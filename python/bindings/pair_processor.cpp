@@ -1,5 +1,5 @@
 // The chain from raw images to the motion of the cart's body, for Python.
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 #include <memory>
 #include <mutex>
@@ -21,13 +21,13 @@ namespace py = pybind11;
 namespace cartvo::python {
 namespace {
 
-using daemon::PairResult;
+using pipeline::PairResult;
 
-/// daemon::PairProcessor for several Python threads, one at a time.
+/// pipeline::PairProcessor for several Python threads, one at a time.
 class Processor {
  public:
   Processor(const calib::Rig& rig, const vo::OdometrySettings& settings, bool unknown_readout,
-            const daemon::AlertLimits& alert_limits)
+            const pipeline::AlertLimits& alert_limits)
       : size_(rig.left.size),
         processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)},
                    {settings, absentReadout(unknown_readout), alert_limits}) {}
@@ -50,7 +50,7 @@ class Processor {
 
   cv::Size size_;
   std::mutex mutex_;
-  daemon::PairProcessor processor_;  // guarded by mutex_
+  pipeline::PairProcessor processor_;  // guarded by mutex_
 };
 
 py::list reasonsOf(const PairResult& result) {
@@ -58,7 +58,7 @@ py::list reasonsOf(const PairResult& result) {
 }
 
 void bindAlertLimits(py::module_& module) {
-  using daemon::AlertLimits;
+  using pipeline::AlertLimits;
   py::class_<AlertLimits>(
       module, "AlertLimits",
       "Largest bounds, for each axis, with which a motion is valid: odometry.alert_limits "
@@ -137,9 +137,9 @@ void bindPairProcessor(py::module_& module) {
   py::class_<Processor>(
       module, "PairProcessor",
       "Processes pairs of raw images as cartvod does: rectification, odometry, motion of the body.")
-      .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool, const daemon::AlertLimits&>(),
+      .def(py::init<const calib::Rig&, const vo::OdometrySettings&, bool, const pipeline::AlertLimits&>(),
            py::arg("rig"), py::arg("settings") = vo::OdometrySettings{}, py::kw_only(),
-           py::arg("unknown_readout") = false, py::arg("alert_limits") = daemon::AlertLimits{},
+           py::arg("unknown_readout") = false, py::arg("alert_limits") = pipeline::AlertLimits{},
            "unknown_readout: as of Odometry. Raises ValueError if the rig or a setting is out of range.")
       .def("process", &Processor::process, py::arg("pair"),
            "Processes the next pair and lets other threads run. Raises ValueError for images of another size "

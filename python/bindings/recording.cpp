@@ -10,7 +10,7 @@
 
 #include "capture/pair_reader.hpp"
 #include "capture/stereo_source.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/pair.hpp"
@@ -48,7 +48,7 @@ class Recording {
     throw py::stop_iteration();
   }
 
-  calib::Rig rig() const { return daemon::findRig(source_, path_, {}).rig; }
+  calib::Rig rig() const { return pipeline::findRig(source_, path_, {}).rig; }
 
   /// Unusual properties of the source and damage in it, as far as it was read.
   std::vector<std::string> problems() const {

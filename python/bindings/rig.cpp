@@ -8,7 +8,7 @@
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"
 #include "common/threads/parallel_loop.hpp"
-#include "daemon/pipeline/rectified_camera.hpp"
+#include "pipeline/rectified_camera.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 
@@ -128,7 +128,7 @@ void bindRig(py::module_& module) {
       .def_property_readonly("rig", &RigRectifier::rig, py::return_value_policy::reference_internal)
       .def_property_readonly(
           "camera",
-          [](const RigRectifier& self) { return daemon::stereoCamera(self.rectifier().rectification()); },
+          [](const RigRectifier& self) { return pipeline::stereoCamera(self.rectifier().rectification()); },
           "the camera of the rectified images")
       .def_property_readonly(
           "left_mask", [](const RigRectifier& self) { return copyOf(self.rectifier().leftMask()); },

@@ -5,7 +5,7 @@
 
 #include "calib/model/rig.hpp"
 #include "calib/rectification/rectifier.hpp"
-#include "daemon/pipeline/shutters.hpp"
+#include "pipeline/shutters.hpp"
 
 namespace cartvo::python {
 
@@ -25,8 +25,8 @@ class RigRectifier {
 };
 
 /// Readout of a camera whose rig states none.
-inline daemon::AbsentReadout absentReadout(bool is_unknown) {
-  return is_unknown ? daemon::AbsentReadout::unknown : daemon::AbsentReadout::global_shutter;
+inline pipeline::AbsentReadout absentReadout(bool is_unknown) {
+  return is_unknown ? pipeline::AbsentReadout::unknown : pipeline::AbsentReadout::global_shutter;
 }
 
 }  // namespace cartvo::python

@@ -2,10 +2,10 @@
 // one.
 
 #include <cstring>
-
-#include <xxhash.h>
+#include <string_view>
 
 #include "calib/rectification/rectification_tables.hpp"
+#include "common/digest.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;
@@ -45,7 +45,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kChecksum = 8;
   if (bytes.size() < kChecksum) return 0;
   const std::size_t checked = bytes.size() - kChecksum;
-  const std::uint64_t checksum = XXH3_64bits(bytes.data(), checked);
+  const std::uint64_t checksum = digestOf(std::string_view(bytes).substr(0, checked));
   std::memcpy(bytes.data() + checked, &checksum, kChecksum);
   read(bytes);
   return 0;

@@ -6,9 +6,9 @@
 
 #include "calib/rectification/rectifier.hpp"
 #include "capture/pair_reader.hpp"
-#include "daemon/pipeline/rectified_camera.hpp"
-#include "daemon/pipeline/shutters.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/rectified_camera.hpp"
+#include "pipeline/shutters.hpp"
+#include "pipeline/source_rig.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 namespace {
@@ -32,11 +32,11 @@ std::vector<vo::StereoImages> rectifiedPairs(const capture::StereoSource& source
 
 void printTimes(const char* folder) {
   const capture::StereoSource source = capture::openSource(folder);
-  const calib::Rig rig = daemon::findRig(source, folder, {}).rig;
+  const calib::Rig rig = pipeline::findRig(source, folder, {}).rig;
   const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   vo::StereoOdometry odometry(
-      daemon::stereoCamera(rectifier.rectification()), vo::OdometrySettings{},
-      daemon::stereoShutters(rig, rectifier.rectification(), daemon::AbsentReadout::global_shutter),
+      pipeline::stereoCamera(rectifier.rectification()), vo::OdometrySettings{},
+      pipeline::stereoShutters(rig, rectifier.rectification(), pipeline::AbsentReadout::global_shutter),
       {rectifier.leftMask(), rectifier.rightMask()});
   vo::NullStageObserver observer;
   for (const vo::StereoImages& images : rectifiedPairs(source, rectifier)) {

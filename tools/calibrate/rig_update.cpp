@@ -6,7 +6,7 @@
 #include "calib/format/rig_file.hpp"
 #include "capture/stereo_source.hpp"
 #include "common/command_line/parser.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 
 namespace cartvo::calibrate {
 
@@ -36,7 +36,7 @@ calib::Rig rigToChange(const RigUpdateOptions& options, bool is_live) {
   if (std::filesystem::exists(options.output)) return calib::readRig(options.output);
   if (is_live || std::filesystem::is_regular_file(options.source))
     throw std::runtime_error(options.output.string() + ": does not exist; give the rig file with --rig FILE");
-  return daemon::findRig(capture::openSource(options.source), options.source, {}).rig;
+  return pipeline::findRig(capture::openSource(options.source), options.source, {}).rig;
 }
 
 }  // namespace cartvo::calibrate

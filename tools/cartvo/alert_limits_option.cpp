@@ -14,7 +14,7 @@ namespace cartvo {
 namespace {
 
 void addOption(Command command, const std::string& description,
-               const std::function<void(const daemon::AlertLimits&)>& set) {
+               const std::function<void(const pipeline::AlertLimits&)>& set) {
   command
       .addListOption(
           "--alert-limits",
@@ -30,15 +30,15 @@ void addOption(Command command, const std::string& description,
 
 }  // namespace
 
-void addAlertLimitsOption(Command command, std::optional<daemon::AlertLimits>& limits) {
+void addAlertLimitsOption(Command command, std::optional<pipeline::AlertLimits>& limits) {
   addOption(command,
             "Largest bounds of valid pairs: of velocity (m/s), angular rate (deg/s), translation (m) and "
             "rotation (deg) over the last second; without it those of the recording's configuration, else "
             "cartvod's",
-            [&limits](const daemon::AlertLimits& given) { limits = given; });
+            [&limits](const pipeline::AlertLimits& given) { limits = given; });
 }
 
-void addAlertLimitsOption(Command command, daemon::AlertLimits& limits) {
+void addAlertLimitsOption(Command command, pipeline::AlertLimits& limits) {
   addOption(
       command,
       fmt::format("Errors above which a VALID message is counted: of a velocity (m/s), an angular rate\n"
@@ -46,7 +46,7 @@ void addAlertLimitsOption(Command command, daemon::AlertLimits& limits) {
                   "(default: those of cartvod, {:g},{:g},{:g},{:g})",
                   limits.velocity, kDegreesPerRadian * limits.angular_rate, limits.motion,
                   kDegreesPerRadian * limits.rotation),
-      [&limits](const daemon::AlertLimits& given) { limits = given; });
+      [&limits](const pipeline::AlertLimits& given) { limits = given; });
 }
 
 }  // namespace cartvo

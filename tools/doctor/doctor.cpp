@@ -72,7 +72,7 @@ class Run {
   void examineStreams(const daemon::Configuration& configuration, const std::array<CameraAnswer, 2>& cameras,
                       std::array<FindingList, 3>& areas);
   void examinePairs(const daemon::Configuration& configuration, const KeptPairs& pairs,
-                    daemon::AbsentReadout absent_readout);
+                    pipeline::AbsentReadout absent_readout);
 
   void step(const WorkStep& step) { observer_.work.begin(step); }
   bool isInterrupted() const { return interrupted_; }
@@ -217,11 +217,11 @@ void Run::examineStreams(const daemon::Configuration& configuration,
   for (FindingList& area : areas)
     finish(std::move(area));
   if (cameras[0].may_stream && cameras[1].may_stream)
-    examinePairs(configuration, probe.pairs, daemon::AbsentReadout::unknown);
+    examinePairs(configuration, probe.pairs, pipeline::AbsentReadout::unknown);
 }
 
 void Run::examinePairs(const daemon::Configuration& configuration, const KeptPairs& pairs,
-                       daemon::AbsentReadout absent_readout) {
+                       pipeline::AbsentReadout absent_readout) {
   const std::optional<calib::Rig>& rig = examination_.rig;
   examination_.pictures = picturesOf(pairs.spread);
   if (isInterrupted()) return;

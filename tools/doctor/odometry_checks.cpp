@@ -11,9 +11,9 @@
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
 #include "common/statistics.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo::doctor {
 namespace {
@@ -33,13 +33,13 @@ Processed process(const std::vector<capture::FramePair>& pairs, const OdometrySe
                   const WorkObserver::Progress& progress, const std::atomic<bool>& interrupted) {
   cv::setNumThreads(setup.threads);
   const calib::RectificationSettings& rectification = setup.rig.rectification;
-  daemon::PairProcessor processor(setup.rig,
-                                  {setup.rig, rectification, calib::buildTables(setup.rig, rectification)},
-                                  {setup.settings, setup.absent_readout, setup.alert_limits});
+  pipeline::PairProcessor processor(setup.rig,
+                                    {setup.rig, rectification, calib::buildTables(setup.rig, rectification)},
+                                    {setup.settings, setup.absent_readout, setup.alert_limits});
   Processed processed;
   for (const capture::FramePair& pair : pairs) {
     if (interrupted) break;
-    const daemon::PairResult result = processor.process(pair);
+    const pipeline::PairResult result = processor.process(pair);
     processed.times.push_back(result.times.total);
     processed.last = daemon::odometryMessage(result);
     processed.bound_exceeded = result.exceedsAlertLimit() ? result.worst->text() : "";

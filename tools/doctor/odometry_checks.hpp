@@ -5,8 +5,8 @@
 
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
-#include "daemon/pipeline/protection_level.hpp"
-#include "daemon/pipeline/shutters.hpp"
+#include "pipeline/protection_level.hpp"
+#include "pipeline/shutters.hpp"
 #include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/finding_list.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -18,8 +18,8 @@ struct OdometrySetup {
   calib::Rig rig;
   vo::OdometrySettings settings;
   int threads = 2;
-  daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
-  daemon::AlertLimits alert_limits{};
+  pipeline::AbsentReadout absent_readout = pipeline::AbsentReadout::unknown;
+  pipeline::AlertLimits alert_limits{};
 };
 
 /// Processes consecutive pairs as cartvod does, and compares the time that takes with the frame period; also

@@ -12,7 +12,7 @@
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_summary.hpp"
 #include "capture/stereo_source.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 #include "tools/calibrate/source_pairs.hpp"
 #include "tools/doctor/configuration_checks.hpp"
 
@@ -122,8 +122,8 @@ SourceContent readSource(const std::filesystem::path& folder, const WorkObserver
   SourceContent content;
   try {
     capture::StereoSource source = capture::openSource(folder);
-    content.absent_readout = daemon::absentReadoutOf(source.kind);
-    daemon::FoundRig found = daemon::findRig(source, folder, {});
+    content.absent_readout = pipeline::absentReadoutOf(source.kind);
+    pipeline::FoundRig found = pipeline::findRig(source, folder, {});
     if (checkRig(found.rig, found.origin, findings)) content.rig = std::move(found.rig);
     content.pairs = firstPairs(source, progress, interrupted);
   } catch (const std::exception& error) {

@@ -6,8 +6,8 @@
 
 #include "calib/model/rig.hpp"
 #include "capture/camera_side.hpp"
-#include "daemon/pipeline/shutters.hpp"
 #include "daemon/service/configuration.hpp"
+#include "pipeline/shutters.hpp"
 #include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/cameras/kept_pairs.hpp"
 #include "tools/doctor/cameras/stream_measurement.hpp"
@@ -29,7 +29,7 @@ StreamMeasurement measureRecording(const std::filesystem::path& folder, capture:
 struct SourceContent {
   std::optional<calib::Rig> rig;
   KeptPairs pairs;  ///< of its first two minutes
-  daemon::AbsentReadout absent_readout = daemon::AbsentReadout::unknown;
+  pipeline::AbsentReadout absent_readout = pipeline::AbsentReadout::unknown;
 };
 
 /// Opens a source, finds its rig and reads pairs; faults are findings. `progress`: in seconds of the source.

@@ -23,7 +23,7 @@ struct BoundedError {
 
 /// A quantity of messages, its unit in the diagram and its alert limit there.
 struct Quantity {
-  Eigen::Vector3d daemon::ProtectionLevel::*member;
+  Eigen::Vector3d pipeline::ProtectionLevel::*member;
   std::array<const char*, 3> axes;
   const char* unit;
   double factor;
@@ -107,9 +107,10 @@ Figure boundFigure(const std::vector<JudgedMessage>& messages, const Quantity& q
 }  // namespace
 
 std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
-                                 const daemon::AlertLimits& limits) {
+                                 const pipeline::AlertLimits& limits) {
   Figure velocity = boundFigure(
-      messages, {&daemon::ProtectionLevel::velocity, {"forward", "left", "up"}, "m/s", 1.0, limits.velocity});
+      messages,
+      {&pipeline::ProtectionLevel::velocity, {"forward", "left", "up"}, "m/s", 1.0, limits.velocity});
   velocity.name = "velocity-bounds";
   velocity.chart.title = "Error of velocities against their bound (Stanford diagram)";
   velocity.caption =
@@ -121,7 +122,7 @@ std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
       "limit. A message with a bound above the level dashed line is not VALID. The table has those nearest "
       "to "
       "their bound or above it.";
-  Figure rates = boundFigure(messages, {&daemon::ProtectionLevel::angular_rate,
+  Figure rates = boundFigure(messages, {&pipeline::ProtectionLevel::angular_rate,
                                         {"roll rate", "pitch rate", "yaw rate"},
                                         "deg/s",
                                         kDegreesPerRadian,

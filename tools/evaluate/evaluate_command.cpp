@@ -34,7 +34,7 @@ struct Options {
   std::filesystem::path report;
   std::filesystem::path figures;
   std::filesystem::path messages;
-  daemon::AlertLimits limits;
+  pipeline::AlertLimits limits;
 };
 
 /// The estimate is a file of messages: the poses, velocities and bounds are theirs.
@@ -87,7 +87,7 @@ void printResults(const Options& options, const ReportInput& input) {
     json.update(evaluationJson(input.evaluation));
     if (has_messages) {
       json["validity"] = validityJson(validity);
-      const daemon::AlertLimits& limits = options.limits;
+      const pipeline::AlertLimits& limits = options.limits;
       json["validity"]["alert_limits"] = {limits.velocity, kDegreesPerRadian * limits.angular_rate,
                                           limits.motion, kDegreesPerRadian * limits.rotation};
     }

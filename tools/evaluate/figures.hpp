@@ -19,7 +19,7 @@ struct ReportInput {
   Evaluation evaluation;
   TopView view = TopView::camera_axes;
   std::vector<ComparedMessage> messages;  ///< in the order of time; empty: none are known
-  daemon::AlertLimits limits;             ///< in the figures of errors and bounds
+  pipeline::AlertLimits limits;           ///< in the figures of errors and bounds
 };
 
 /// A chart of a report with its numbers.
@@ -37,7 +37,7 @@ std::vector<Figure> evaluationFigures(const ReportInput& input);
 
 /// Stanford diagrams: errors of VALID velocities and rates against their bounds, component by component.
 std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
-                                 const daemon::AlertLimits& limits);
+                                 const pipeline::AlertLimits& limits);
 
 /// Charts of velocities, rates and NEES; `messages` must not be empty.
 std::vector<Figure> motionFigures(const std::vector<ComparedMessage>& messages);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "daemon/pipeline/protection_level.hpp"
+#include "pipeline/protection_level.hpp"
 #include "tools/trajectory/trajectory.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -21,7 +21,7 @@ struct OdometryRow {
   Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
   vo::Vector6d twist = vo::Vector6d::Zero();  ///< velocity (m/s) and rates (rad/s); NaN if not valid
   vo::Matrix6d pose_covariance = vo::Matrix6d::Zero(), twist_covariance = vo::Matrix6d::Zero();  ///< as above
-  daemon::ProtectionLevel bound;  ///< NaN if there is no estimate
+  pipeline::ProtectionLevel bound;  ///< NaN if there is no estimate
 
   /// Whether the pose is an estimate: that of a VALID message, or of one that is too uncertain to be VALID.
   bool hasEstimate() const { return valid || bound.velocity.allFinite(); }

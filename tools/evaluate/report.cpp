@@ -109,7 +109,7 @@ std::string evaluationTable(const Evaluation& evaluation) {
   return text;
 }
 
-std::string validityTable(const ValidityFigures& figures, const daemon::AlertLimits& limits) {
+std::string validityTable(const ValidityFigures& figures, const pipeline::AlertLimits& limits) {
   std::string text;
   text += line("%-34s %zu of %zu, %.2f %%, longest gap %.2f s", "available: VALID messages", figures.valid,
                figures.messages, 100.0 * figures.availability(), figures.longest_gap);

@@ -13,7 +13,7 @@ namespace cartvo {
 std::string evaluationTable(const Evaluation& evaluation);
 
 /// Lines about the VALID messages, in the form of evaluationTable.
-std::string validityTable(const ValidityFigures& figures, const daemon::AlertLimits& limits);
+std::string validityTable(const ValidityFigures& figures, const pipeline::AlertLimits& limits);
 
 /// JSON of the evaluation; each key names its unit. Values that do not apply are null.
 nlohmann::ordered_json evaluationJson(const Evaluation& evaluation);

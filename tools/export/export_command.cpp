@@ -31,7 +31,7 @@ struct Options {
 ExportSource readWithProgress(const Options& options, const Interruption& interruption) {
   ProgressBar progress("pairs");
   return readExportSource(options.source, options.rig,
-                          [&](const daemon::PairResult& result, std::size_t expected) {
+                          [&](const pipeline::PairResult& result, std::size_t expected) {
                             interruption.check();
                             progress.show(result.sequence + 1, expected);
                           });

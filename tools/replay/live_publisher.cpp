@@ -28,7 +28,7 @@ LivePublisher::LivePublisher(const std::string& url, double speed)
 
 LivePublisher::~LivePublisher() = default;
 
-void LivePublisher::publish(const daemon::PairResult& result) {
+void LivePublisher::publish(const pipeline::PairResult& result) {
   recorded_.push_back(daemon::odometryMessage(result));
   if (recorded_.size() == 1) begin(recorded_.front());
   send(recorded_.back());

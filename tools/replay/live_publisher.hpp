@@ -8,7 +8,7 @@
 
 #include <cartvo/odometry_t.hpp>
 
-#include "daemon/pipeline/pipeline.hpp"
+#include "pipeline/pipeline.hpp"
 
 namespace lcm {
 class LCM;
@@ -27,7 +27,7 @@ class LivePublisher {
   LivePublisher& operator=(const LivePublisher&) = delete;
 
   /// Waits until the pair is due and publishes it.
-  void publish(const daemon::PairResult& result);
+  void publish(const pipeline::PairResult& result);
 
   /// Publishes all pairs again from the first, as a new epoch of the pose.
   void repeat();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "daemon/pipeline/body_motion.hpp"
+#include "pipeline/body_motion.hpp"
 
 namespace cartvo {
 namespace {
@@ -38,7 +38,7 @@ vo::Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3
 
 /// Constant twist of the true motion between two pairs.
 vo::Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
-  const vo::Vector6d twist = daemon::logarithm(before.inverse() * now) / time_step;
+  const vo::Vector6d twist = pipeline::logarithm(before.inverse() * now) / time_step;
   return motionColumns(twist.head<3>(), twist.tail<3>());
 }
 

@@ -42,7 +42,7 @@ std::string timingCsv(const Replay& replay) {
   csv += ",total_ms\n";
   char text[32];
   for (std::size_t index = 0; index < replay.pairs.size(); ++index) {
-    const daemon::StageTimes& times = replay.pairs[index].times;
+    const pipeline::StageTimes& times = replay.pairs[index].times;
     csv += std::to_string(index);
     for (const double seconds : times.stages) {
       std::snprintf(text, sizeof text, ",%.4f", 1000.0 * seconds);

@@ -1,4 +1,4 @@
-// Replays a source through the daemon's pipeline.
+// Replays a source through the pipeline of cartvod.
 
 #include "tools/replay/replay.hpp"
 
@@ -54,7 +54,7 @@ class RectificationInverse {
   vo::Matrix6d adjoint_;
 };
 
-ReplayedPair toReplayedPair(const daemon::PairResult& result, const RectificationInverse& left,
+ReplayedPair toReplayedPair(const pipeline::PairResult& result, const RectificationInverse& left,
                             ContinuousPath& path) {
   const vo::OdometryEstimate& estimate = result.estimate;
   ReplayedPair pair;
@@ -134,32 +134,32 @@ void replaceReadouts(const ReplaySettings& settings, calib::Rig& rig) {
 }
 
 /// For replayPairs: readouts that the settings call unknown are unknown whatever the source.
-std::optional<daemon::AbsentReadout> absentReadout(const ReplaySettings& settings) {
+std::optional<pipeline::AbsentReadout> absentReadout(const ReplaySettings& settings) {
   if (!settings.readouts) return std::nullopt;
-  return daemon::AbsentReadout::unknown;
+  return pipeline::AbsentReadout::unknown;
 }
 
 }  // namespace
 
-Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
+Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
-                   std::optional<daemon::AbsentReadout> absent_readout, daemon::PairViewer* viewer,
-                   const daemon::AlertLimits& alert_limits) {
+                   std::optional<pipeline::AbsentReadout> absent_readout, pipeline::PairViewer* viewer,
+                   const pipeline::AlertLimits& alert_limits) {
   Replay replay;
   replay.kind = source.kind;
   replay.rig = rig;
 
-  daemon::PairProcessor processor(
+  pipeline::PairProcessor processor(
       rig.rig, buildRectifier(rig.rig),
-      {odometry, absent_readout.value_or(daemon::absentReadoutOf(source.kind)), alert_limits});
+      {odometry, absent_readout.value_or(pipeline::absentReadoutOf(source.kind)), alert_limits});
   if (viewer != nullptr) processor.setViewer(*viewer);
   const RectificationInverse left(processor.T_left_rectified());
-  daemon::PipelineSettings settings{rig.rig.left.size, source.period_ns};
+  pipeline::PipelineSettings settings{rig.rig.left.size, source.period_ns};
   if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
-  daemon::Pipeline pipeline(*source.left, *source.right, processor, settings);
+  pipeline::Pipeline pipeline(*source.left, *source.right, processor, settings);
   ContinuousPath path;
   daemon::SelfCheck self_check({rig.rig.left.readout, rig.rig.right.readout});
-  pipeline.replay({[&](const daemon::PairResult& result) {
+  pipeline.replay({[&](const pipeline::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      self_check.update(result.estimate);
                      replay.still_regions = result.estimate.still_regions;
@@ -183,13 +183,13 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
   const std::optional<daemon::Configuration> configuration = recordedConfiguration(settings.source, problems);
   capture::StereoSource source =
       capture::openSource(settings.source, sourceSettings(settings, configuration));
-  daemon::FoundRig rig = daemon::findRig(source, settings.source, settings.rig);
+  pipeline::FoundRig rig = pipeline::findRig(source, settings.source, settings.rig);
   // A rig file that is given takes the place of the recorded rig with all that the configuration changed.
   if (configuration && settings.rig.empty())
     rig.rig = daemon::withConfiguredReadouts(std::move(rig.rig), *configuration);
   replaceReadouts(settings, rig.rig);
-  const daemon::AlertLimits recorded_limits =
-      configuration ? configuration->alert_limits : daemon::AlertLimits{};
+  const pipeline::AlertLimits recorded_limits =
+      configuration ? configuration->alert_limits : pipeline::AlertLimits{};
   Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings),
                               settings.viewer, settings.alert_limits.value_or(recorded_limits));
   replay.problems.insert(replay.problems.begin(), problems.begin(), problems.end());
@@ -205,7 +205,7 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
 
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer) {
-  daemon::FoundRig rig = daemon::findRig({}, settings.source, settings.rig);
+  pipeline::FoundRig rig = pipeline::findRig({}, settings.source, settings.rig);
   replaceReadouts(settings, rig.rig);
   const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);
   VideoTiming timing;
@@ -220,7 +220,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
   }
   capture::StereoSource source = openVideos(videos, timing, {});
   Replay replay = replayPairs(source, rig, settings.odometry, observer, absentReadout(settings),
-                              settings.viewer, settings.alert_limits.value_or(daemon::AlertLimits{}));
+                              settings.viewer, settings.alert_limits.value_or(pipeline::AlertLimits{}));
   replay.timing = timing;
   if (replay.pairs.empty()) {
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +

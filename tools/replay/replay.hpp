@@ -7,13 +7,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <cartvo/odometry_t.hpp>
 
 #include "capture/stereo_source.hpp"
-#include "daemon/pipeline/pipeline.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/pipeline.hpp"
+#include "pipeline/source_rig.hpp"
 #include "tools/replay/video_pair.hpp"
 #include "tools/trajectory/trajectory.hpp"
 #include "vo_core/odometry_settings.hpp"
@@ -29,6 +30,13 @@ enum class ReplayClock : std::uint8_t {
   arrival,
   visual,
 };
+inline constexpr std::array<std::pair<const char*, ReplayClock>, 6> kReplayClocks{
+    {{"configured", ReplayClock::configured},
+     {"recorded", ReplayClock::recorded},
+     {"auto", ReplayClock::automatic},
+     {"ntp", ReplayClock::ntp},
+     {"arrival", ReplayClock::arrival},
+     {"visual", ReplayClock::visual}}};
 
 /// Readouts that replace those of the rig and the configuration: s, left and right, as CameraModel::readout;
 /// empty for an unknown one.
@@ -45,9 +53,9 @@ struct ReplaySettings {
   vo::OdometrySettings odometry;
   double folder_offset_stddev = 0.0;  ///< s, of the time offsets of pairs in an image folder
   ReplayClock clock = ReplayClock::configured;
-  daemon::PairViewer* viewer = nullptr;    ///< as replayPairs()'s
+  pipeline::PairViewer* viewer = nullptr;  ///< as replayPairs()'s
   std::optional<ReplayReadouts> readouts;  ///< empty: as the rig and the recording's configuration state
-  std::optional<daemon::AlertLimits>
+  std::optional<pipeline::AlertLimits>
       alert_limits;  ///< empty: of the recording's configuration, else defaults
 };
 
@@ -64,7 +72,7 @@ struct ReplayedPair {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< as in BodyMotion; NaN if not valid
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< as in BodyMotion; NaN if not valid
   vo::Matrix6d twist_covariance = vo::Matrix6d::Zero();        ///< as in BodyMotion; NaN if not valid
-  daemon::ProtectionLevel level;                               ///< NaN if no motion was measured
+  pipeline::ProtectionLevel level;                             ///< NaN if no motion was measured
 
   // The velocities and their covariance are as published and include the rig's scale uncertainty; the
   // following covariances do not. Poses and motions are those of the rig's left camera, in its own axes:
@@ -78,7 +86,7 @@ struct ReplayedPair {
   /// Motion in `time_step` and its covariance; identity and zero if none was measured.
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   vo::Matrix6d motion_covariance = vo::Matrix6d::Zero();
-  daemon::StageTimes times;
+  pipeline::StageTimes times;
   std::optional<vo::RigCalibrationError> rig;
   std::optional<vo::ReadoutEstimates> readouts;
   odometry_t message{};  ///< as cartvod publishes it; without sequence and publication
@@ -88,9 +96,9 @@ struct ReplayedPair {
 /// without an estimate repeats it, so that the path is continuous.
 struct Replay {
   capture::SourceKind kind = capture::SourceKind::kitti;
-  daemon::FoundRig rig;
+  pipeline::FoundRig rig;
   std::vector<ReplayedPair> pairs;
-  daemon::PipelineCounts counts;
+  pipeline::PipelineCounts counts;
   std::optional<VideoTiming> timing;          ///< for two videos
   std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
   std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
@@ -99,15 +107,15 @@ struct Replay {
 };
 
 /// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
-using ReplayObserver = std::function<void(const daemon::PairResult& result, std::size_t expected)>;
+using ReplayObserver = std::function<void(const pipeline::PairResult& result, std::size_t expected)>;
 
-/// Processes all pairs of a source with the daemon's pipeline. `absent_readout`: see PairProcessor; empty: by
-/// the source's kind. `viewer`: see PairProcessor::setViewer; nullptr: none. Throws if the rig or the
+/// Processes all pairs of a source with the pipeline of cartvod. `absent_readout`: see PairProcessor; empty:
+/// by the source's kind. `viewer`: see PairProcessor::setViewer; nullptr: none. Throws if the rig or the
 /// settings are invalid.
-Replay replayPairs(capture::StereoSource& source, const daemon::FoundRig& rig,
+Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
                    const vo::OdometrySettings& odometry, const ReplayObserver& observer,
-                   std::optional<daemon::AbsentReadout> absent_readout = {},
-                   daemon::PairViewer* viewer = nullptr, const daemon::AlertLimits& alert_limits = {});
+                   std::optional<pipeline::AbsentReadout> absent_readout = {},
+                   pipeline::PairViewer* viewer = nullptr, const pipeline::AlertLimits& alert_limits = {});
 
 /// Processes a source on disk. Throws if the source, the rig or the settings are invalid, or if no frames can
 /// be paired.

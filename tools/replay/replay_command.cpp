@@ -1,4 +1,4 @@
-// `cartvo replay`: processes recorded images with the daemon's pipeline and writes text files.
+// `cartvo replay`: processes recorded images with the pipeline of cartvod and writes text files.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +19,7 @@
 #include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
 #include "daemon/service/configuration.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
@@ -33,7 +34,6 @@
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_page.hpp"
-#include "tools/replay/setting_names.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
 #include "tools/replay/truth_consistency.hpp"
@@ -45,9 +45,9 @@ namespace {
 
 struct Options {
   ReplaySettings replay;
-  std::string estimator = estimatorName(vo::OdometrySettings{}.estimator);
-  std::string rig_refinement = rigRefinementName(vo::OdometrySettings{}.rig_refinement);
-  std::string clock = replayClockName(ReplayClock::configured);
+  std::string estimator = daemon::nameOf(vo::OdometrySettings{}.estimator, daemon::kEstimators);
+  std::string rig_refinement = daemon::nameOf(vo::OdometrySettings{}.rig_refinement, daemon::kRigRefinements);
+  std::string clock = daemon::nameOf(ReplayClock::configured, kReplayClocks);
   std::optional<double> offset_ms;
   std::string readout_ms;
   double offset_uncertainty_ms = 0.0;
@@ -131,14 +131,15 @@ Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage
   ProgressBar progress("pairs");
   std::optional<VideoRecorder> video;
   if (!options.video.empty()) options.replay.viewer = &video.emplace(options.video);
-  if (page != nullptr) options.replay.viewer = &page->viewer();
-  Replay replay = replayBySource(options, check, [&](const daemon::PairResult& result, std::size_t expected) {
-    check();
-    if (publisher != nullptr) publisher->publish(result);
-    if (page != nullptr) page->addPair(result, expected);
-    if (video) video->add(result);
-    progress.show(result.sequence + 1, expected);
-  });
+  if (page != nullptr) options.replay.viewer = page;
+  Replay replay =
+      replayBySource(options, check, [&](const pipeline::PairResult& result, std::size_t expected) {
+        check();
+        if (publisher != nullptr) publisher->publish(result);
+        if (page != nullptr) page->addPair(result, expected);
+        if (video) video->add(result);
+        progress.show(result.sequence + 1, expected);
+      });
   options.replay.viewer = nullptr;
   if (video) video->finish();
   return replay;
@@ -254,7 +255,7 @@ void addEstimationOptions(Command command, Options& options) {
                  "Rig file: cartvo's own, OpenCV's, Kalibr's, MATLAB's or KITTI's")
       .typeName("FILE");
   command.addOption("--estimator", options.estimator, "Motion estimator")
-      .choices(estimatorNames())
+      .choices(daemon::namesOf(daemon::kEstimators))
       .typeName("NAME")
       .captureDefault();
   command
@@ -265,7 +266,7 @@ void addEstimationOptions(Command command, Options& options) {
   command
       .addOption("--online-rig-refinement", options.rig_refinement,
                  "Estimation and correction of the right camera's rotation relative to the rig file")
-      .choices(rigRefinementNames())
+      .choices(daemon::namesOf(daemon::kRigRefinements))
       .typeName("NAME")
       .captureDefault();
   command
@@ -278,7 +279,7 @@ void addEstimationOptions(Command command, Options& options) {
       .addOption("--clock", options.clock,
                  "Timestamps of a recording: recomputed with the clock of its configuration, with another "
                  "clock, or as recorded live")
-      .choices(replayClockNames())
+      .choices(daemon::namesOf(kReplayClocks))
       .typeName("NAME")
       .captureDefault();
   command
@@ -385,11 +386,12 @@ void addReplayCommand(Command cartvo) {
     if (command.option("--speed").value().count() > 0 && !options->publish && page.first.count() == 0)
       throw CommandLineError("--speed", "needs --publish or --page");
     if (page.first.count() > 0) options->page = pageAddress(*page.second);
-    options->replay.odometry.estimator = estimatorNamed(options->estimator);
-    options->replay.odometry.rig_refinement = rigRefinementNamed(options->rig_refinement);
+    options->replay.odometry.estimator = daemon::valueNamed(options->estimator, daemon::kEstimators);
+    options->replay.odometry.rig_refinement =
+        daemon::valueNamed(options->rig_refinement, daemon::kRigRefinements);
     if (options->offset_ms) options->replay.video_offset = 1e-3 * *options->offset_ms;
     if (!options->readout_ms.empty()) options->replay.readouts = replayReadouts(options->readout_ms);
-    options->replay.clock = replayClockNamed(options->clock);
+    options->replay.clock = daemon::valueNamed(options->clock, kReplayClocks);
     options->replay.folder_offset_stddev = 1e-3 * options->offset_uncertainty_ms;
     run(*options);
   });

@@ -1,18 +1,11 @@
 // Status page of a replay: stored frames, pause and step.
 #include "tools/replay/replay_page.hpp"
 
-#include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "daemon/diagnostics/health_monitor.hpp"
-#include "daemon/page/health_json.hpp"
 #include "daemon/page/page_frame.hpp"
-#include "daemon/page/page_history.hpp"
 #include "daemon/page/status_page.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
@@ -20,63 +13,18 @@
 namespace cartvo {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::size_t kNewestSamples = 32;  // in each frame
 constexpr std::chrono::seconds kHealthPeriod{1};
 
 }  // namespace
 
-class ReplayPage::Implementation final : public daemon::PageContent, public daemon::PairViewer {
- public:
-  explicit Implementation(const ReplayPageSettings& settings)
-      : speed_(settings.speed),
-        about_(daemon::aboutJson("replay", settings.title)),
-        monitor_(Clock::now()),
-        server_(settings.server, *this) {}
+ReplayPage::ReplayPage(const ReplayPageSettings& settings)
+    : speed_(settings.speed),
+      about_(daemon::aboutJson("replay", settings.title)),
+      monitor_(Clock::now()),
+      server_(settings.server, *this) {}
 
-  std::string url() const { return server_.url(); }
-  daemon::PairView* nextView() override { return &view_; }
-  void addPair(const daemon::PairResult& result, std::size_t expected);
-  void finish();
-
-  std::string about() override { return about_; }
-  std::optional<std::string> newestFrame(std::uint64_t seen) override;
-  std::optional<std::string> storedFrame(std::uint64_t pair) override;
-  std::string history() override;
-  std::string health() override;
-  std::string control(const std::string& action) override;
-
- private:
-  enum class State : std::uint8_t { running, paused, ended };
-
-  void store(const daemon::PageSample& sample);
-  void updateHealth(const daemon::PairResult& result, const odometry_t& message);
-  void waitForPace(std::int64_t exposure_ns);
-  daemon::ReplayState stateForPage() const;
-
-  double speed_;
-  std::string about_;
-  daemon::PairView view_;  ///< of the replaying thread, as are the next two
-  daemon::HealthMonitor monitor_;
-  Clock::time_point next_health_;
-
-  std::mutex mutex_;  ///< for the following
-  std::condition_variable changed_;
-  State state_ = State::running;
-  bool may_step_ = false;
-  std::optional<std::pair<Clock::time_point, std::int64_t>> pace_;  ///< an instant and its exposure, ns
-  daemon::PageHistory history_;
-  health_t health_{};
-  std::deque<std::string> frames_;
-  std::size_t stored_bytes_ = 0;
-  std::uint64_t first_ = 0;  ///< number of frames_.front()
-  std::uint64_t total_ = 0;
-  std::string reasons_ = "no pair yet";
-
-  daemon::PageServer server_;  ///< last, because its threads use the others
-};
-
-void ReplayPage::Implementation::addPair(const daemon::PairResult& result, std::size_t expected) {
+void ReplayPage::addPair(const pipeline::PairResult& result, std::size_t expected) {
   odometry_t message = daemon::odometryMessage(result);
   message.sequence = static_cast<std::int64_t>(result.sequence);
   // There is no publication: the latency is that of processing.
@@ -91,7 +39,7 @@ void ReplayPage::Implementation::addPair(const daemon::PairResult& result, std::
   waitForPace(result.left.exposure_ns);
 }
 
-void ReplayPage::Implementation::store(const daemon::PageSample& sample) {
+void ReplayPage::store(const daemon::PageSample& sample) {
   const daemon::EncodedPictures pictures = daemon::encodePictures(view_);
   const std::string pictures_json = daemon::picturesJson(pictures, view_, sample.sequence());
   const std::lock_guard lock(mutex_);
@@ -108,7 +56,7 @@ void ReplayPage::Implementation::store(const daemon::PageSample& sample) {
   }
 }
 
-void ReplayPage::Implementation::updateHealth(const daemon::PairResult& result, const odometry_t& message) {
+void ReplayPage::updateHealth(const pipeline::PairResult& result, const odometry_t& message) {
   monitor_.addPair(result, message);
   if (Clock::now() < next_health_) return;
   next_health_ = Clock::now() + kHealthPeriod;
@@ -120,7 +68,7 @@ void ReplayPage::Implementation::updateHealth(const daemon::PairResult& result, 
   health_ = monitor_.summarise(Clock::now(), snapshot);
 }
 
-void ReplayPage::Implementation::waitForPace(std::int64_t exposure_ns) {
+void ReplayPage::waitForPace(std::int64_t exposure_ns) {
   std::unique_lock lock(mutex_);
   const auto is_free = [this] { return state_ != State::paused || std::exchange(may_step_, false); };
   if (state_ == State::paused) {
@@ -138,35 +86,35 @@ void ReplayPage::Implementation::waitForPace(std::int64_t exposure_ns) {
   pace_.reset();
 }
 
-void ReplayPage::Implementation::finish() {
+void ReplayPage::finish() {
   const std::lock_guard lock(mutex_);
   state_ = State::ended;
 }
 
-std::optional<std::string> ReplayPage::Implementation::newestFrame(std::uint64_t seen) {
+std::optional<std::string> ReplayPage::newestFrame(std::uint64_t seen) {
   const std::lock_guard lock(mutex_);
   if (frames_.empty() || first_ + frames_.size() == seen) return std::nullopt;
   return frames_.back();
 }
 
-std::optional<std::string> ReplayPage::Implementation::storedFrame(std::uint64_t pair) {
+std::optional<std::string> ReplayPage::storedFrame(std::uint64_t pair) {
   const std::lock_guard lock(mutex_);
   if (pair < first_ || pair - first_ >= frames_.size()) return std::nullopt;
   return frames_[pair - first_];
 }
 
-std::string ReplayPage::Implementation::history() {
+std::string ReplayPage::history() {
   const std::lock_guard lock(mutex_);
   return history_.json();
 }
 
-daemon::ReplayState ReplayPage::Implementation::stateForPage() const {
+daemon::ReplayState ReplayPage::stateForPage() const {
   constexpr const char* kNames[] = {"running", "paused", "ended"};
   return {kNames[static_cast<int>(state_)], first_, frames_.empty() ? 0 : first_ + frames_.size() - 1,
           total_};
 }
 
-std::string ReplayPage::Implementation::health() {
+std::string ReplayPage::health() {
   const std::lock_guard lock(mutex_);
   const daemon::ReplayState state = stateForPage();
   const std::string line =
@@ -175,7 +123,7 @@ std::string ReplayPage::Implementation::health() {
                      daemon::answerMembers({reasons_.empty(), line}), daemon::replayMembers(state));
 }
 
-std::string ReplayPage::Implementation::control(const std::string& action) {
+std::string ReplayPage::control(const std::string& action) {
   const std::lock_guard lock(mutex_);
   if (state_ == State::ended) return "the replay has ended";
   if (action == "replay/pause") {
@@ -190,23 +138,6 @@ std::string ReplayPage::Implementation::control(const std::string& action) {
   }
   changed_.notify_all();
   return {};
-}
-
-ReplayPage::ReplayPage(const ReplayPageSettings& settings)
-    : implementation_(std::make_unique<Implementation>(settings)) {}
-ReplayPage::~ReplayPage() = default;
-
-std::string ReplayPage::url() const {
-  return implementation_->url();
-}
-daemon::PairViewer& ReplayPage::viewer() {
-  return *implementation_;
-}
-void ReplayPage::addPair(const daemon::PairResult& result, std::size_t expected) {
-  implementation_->addPair(result, expected);
-}
-void ReplayPage::finish() {
-  implementation_->finish();
 }
 
 }  // namespace cartvo

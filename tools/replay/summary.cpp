@@ -12,8 +12,8 @@
 
 #include "common/statistics.hpp"
 #include "common/units.hpp"
+#include "daemon/service/configuration_names.hpp"
 #include "tools/evaluate/evaluation.hpp"
-#include "tools/replay/setting_names.hpp"
 
 namespace cartvo {
 namespace {
@@ -157,7 +157,7 @@ Json pairsJson(const Replay& replay) {
   return json;
 }
 
-Json framesJson(const daemon::PipelineCounts& counts) {
+Json framesJson(const pipeline::PipelineCounts& counts) {
   return {{"dropped_no_partner", counts.dropped_no_partner},
           {"dropped_damaged", counts.dropped_damaged},
           {"dropped_out_of_order", counts.dropped_out_of_order},
@@ -180,11 +180,11 @@ Json timesJson(const Replay& replay, Value value) {
 
 Json timesJson(const Replay& replay) {
   Json json;
-  json["total"] = timesJson(replay, [](const daemon::StageTimes& times) { return times.total; });
+  json["total"] = timesJson(replay, [](const pipeline::StageTimes& times) { return times.total; });
   for (int i = 0; i < vo::kStageCount; ++i) {
     const auto stage = static_cast<vo::Stage>(i);
     json[vo::stageName(stage)] =
-        timesJson(replay, [stage](const daemon::StageTimes& times) { return times.stage(stage); });
+        timesJson(replay, [stage](const pipeline::StageTimes& times) { return times.stage(stage); });
   }
   return json;
 }
@@ -235,7 +235,7 @@ Json stillRegionsJson(const vo::ImageRegions& regions) {
 Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   if (replay.kind != capture::SourceKind::recording) return nullptr;
   Json json;
-  json["choice"] = replayClockName(settings.clock);
+  json["choice"] = daemon::nameOf(settings.clock, kReplayClocks);
   json["stamped_anew"] = replay.clock.has_value();
   if (!replay.clock) return json;
   const auto milliseconds = [](const std::optional<capture::OffsetEstimate>& estimate) -> Json {
@@ -307,8 +307,8 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
                  {"image_size", {rig.left.size.width, rig.left.size.height}},
                  {"baseline_m", rig.baseline()},
                  {"T_body_camera", bodyFromCameraJson(rig)}};
-  json["estimator"] = estimatorName(settings.odometry.estimator);
-  json["online_rig_refinement"] = rigRefinementName(settings.odometry.rig_refinement);
+  json["estimator"] = daemon::nameOf(settings.odometry.estimator, daemon::kEstimators);
+  json["online_rig_refinement"] = daemon::nameOf(settings.odometry.rig_refinement, daemon::kRigRefinements);
   json["features"] = settings.odometry.features;
   json["seed"] = settings.odometry.seed;
   json.update(pairsJson(replay));

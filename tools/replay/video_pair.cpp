@@ -15,8 +15,7 @@ namespace cartvo {
 namespace {
 
 constexpr double kRefinementDuration = 15.0;  // s; the odometry averages the time offset over 10 s
-constexpr int kMaxIterations =
-    3;  // large offsets are underestimated (daemon/pipeline/visual_offset_estimator.cpp)
+constexpr int kMaxIterations = 3;  // large offsets are underestimated (pipeline/visual_offset_estimator.cpp)
 constexpr double kMaxOdometryStddev = 3e-3;  // s; above it the odometry adds nothing to the image motion
 constexpr double kUnderestimate = 0.1;       // fraction by which the odometry may underestimate an offset
 constexpr double kMaxCorrection = 0.1;       // s; larger than any error of the image motion
@@ -45,7 +44,7 @@ std::optional<vo::EstimateWithStddev> remainingOffsetByOdometry(const VideoPair&
                                                                 const calib::Rig& rig) {
   capture::StereoSource source = openVideos(videos, timing, part);
   const Replay replay =
-      replayPairs(source, {rig, ""}, vo::OdometrySettings{}, [](const daemon::PairResult&, std::size_t) {});
+      replayPairs(source, {rig, ""}, vo::OdometrySettings{}, [](const pipeline::PairResult&, std::size_t) {});
   const auto last = std::find_if(replay.pairs.rbegin(), replay.pairs.rend(),
                                  [](const ReplayedPair& pair) { return pair.rig.has_value(); });
   if (last == replay.pairs.rend() || last->rig->delay.stddev > kMaxOdometryStddev) return std::nullopt;

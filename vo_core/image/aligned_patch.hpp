@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "common/simd/lanes.hpp"
 #include "vo_core/image/affine_alignment.hpp"
-#include "vo_core/simd/lanes.hpp"
 
 // Integer patches that shift tracking and affine alignment compare. Internal to tracking and stereo matching.
 

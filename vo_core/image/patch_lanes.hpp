@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "common/simd/lanes.hpp"
 #include "vo_core/image/aligned_patch.hpp"
-#include "vo_core/simd/lanes.hpp"
 
 // SIMD kernels on sixteen or more values of an AlignedPatch. Internal to tracking and stereo matching.
 

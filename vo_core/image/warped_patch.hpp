@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "common/simd/bilinear_gather.hpp"
 #include "vo_core/image/aligned_patch.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/image/patch_lanes.hpp"
-#include "vo_core/simd/bilinear_gather.hpp"
 
 // Sampling of a patch under an affine warp, in fixed-point arithmetic. Internal to tracking.
 

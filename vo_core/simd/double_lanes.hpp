@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "vo_core/simd/target_clones.hpp"
+#include "common/simd/target_clones.hpp"
 
 namespace cartvo::vo {
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "common/simd/lanes.hpp"
 #include "vo_core/image/image_pyramid.hpp"
-#include "vo_core/simd/lanes.hpp"
 
 #ifdef __SSE2__
 #include <emmintrin.h>

@@ -10,7 +10,7 @@
 
 #include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "support/daemon/valid_result.hpp"
+#include "support/pipeline/valid_result.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -36,7 +36,7 @@ HealthSnapshot snapshot(std::uint64_t frames) {
 TEST(HealthMessage, SummarisesTimeSincePreviousMessage) {
   const HealthMonitor::Clock::time_point start;
   HealthMonitor monitor(start);
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.times.total = 0.006;
   odometry_t message = odometryMessage(result);
   for (int i = 0; i < 100; ++i) {
@@ -108,7 +108,7 @@ TEST(HealthMessage, ReportsReducedFeatures) {
   HealthMonitor monitor{{}};
   HealthSnapshot slow = snapshot(0);
   slow.features = 1000;
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   for (const int features : {1000, 430, 450}) {
     result.features = features;
     monitor.addPair(result, odometryMessage(result));
@@ -132,7 +132,7 @@ TEST(HealthMessage, HoldsTheStateAfterTheLastPair) {
       {vo::IntegrityState::both_frozen, +health_t::BOTH_FROZEN},
       {vo::IntegrityState::lost, +health_t::LOST}};
   HealthMonitor monitor{{}};
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   for (const auto& [state, code] : codes) {
     result.estimate.state = state;
     monitor.addPair(result, odometryMessage(result));
@@ -147,7 +147,7 @@ TEST(HealthMessage, HoldsTheStateAfterTheLastPair) {
 TEST(HealthMessage, HoldsSelfCheckResult) {
   HealthMonitor monitor{{}};
   EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).right_late_ms)) << "not estimated yet";
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.estimate.rig = vo::RigCalibrationError{{0.0, 1e-4}, {0.0, 1e-4}, {0.01, 1e-4}, {3e-3, 1e-4}};
   monitor.addPair(result, odometryMessage(result));
   const health_t health = monitor.summarise({}, snapshot(1));
@@ -160,11 +160,11 @@ TEST(HealthMessage, HoldsSelfCheckResult) {
 
 TEST(HealthMessage, NamesTheWorstBoundOfTheLastSecond) {
   HealthMonitor monitor{{}};
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   monitor.addPair(result, odometryMessage(result));
   for (const double bound : {0.7, 0.82, 0.71}) {
     result.level.velocity.x() = bound;
-    result.worst = worstBound(result.level, {});
+    result.worst = pipeline::worstBound(result.level, {});
     monitor.addPair(result, odometryMessage(result));
   }
   const health_t health = monitor.summarise({}, snapshot(1));
@@ -177,7 +177,7 @@ TEST(HealthMessage, NamesTheWorstBoundOfTheLastSecond) {
 TEST(HealthMessage, HoldsReadouts) {
   HealthMonitor monitor({}, {0.032, 0.032});
   EXPECT_TRUE(std::isnan(monitor.summarise({}, snapshot(1)).left_readout_ms)) << "not estimated yet";
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.estimate.readouts = vo::ReadoutEstimates{{0.0321, 1e-4}, {-0.0384, 2e-4}};
   monitor.addPair(result, odometryMessage(result));
   const health_t health = monitor.summarise({}, snapshot(1));
@@ -229,8 +229,8 @@ TEST(HealthMessage, FitsIntoOneEthernetFrameWithLongestTexts) {
   HealthSnapshot long_texts = snapshot(1);
   long_texts.left.last_error = long_texts.right.last_error = long_texts.problem =
       std::string(199, 'x') + "\u00e4\u00f6";
-  PairResult all_wrong = validResult();
-  all_wrong.worst = {BoundedQuantity::motion, 1, 123456.0, 0.15};
+  pipeline::PairResult all_wrong = validResult();
+  all_wrong.worst = {pipeline::BoundedQuantity::motion, 1, 123456.0, 0.15};
   all_wrong.estimate.rig = vo::RigCalibrationError{{1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}};
   monitor.addPair(all_wrong, odometryMessage(all_wrong));
   const health_t health = monitor.summarise({}, long_texts);

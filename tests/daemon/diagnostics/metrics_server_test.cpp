@@ -79,7 +79,7 @@ TEST_F(MetricsServerTest, ServesHealthAndPairs) {
   health.version = "7.8.9";
   health.pairs = 42;
   server_.setHealth(health);
-  server_.addPair(PairResult{}, message(odometry_t::VALID));
+  server_.addPair(pipeline::PairResult{}, message(odometry_t::VALID));
   const httplib::Result metrics = client_.Get("/metrics");
   ASSERT_TRUE(metrics);
   EXPECT_EQ(metrics->status, 200);
@@ -90,7 +90,7 @@ TEST_F(MetricsServerTest, ServesHealthAndPairs) {
 
 TEST_F(MetricsServerTest, SaysWhetherTheDaemonIsHealthy) {
   const auto publish = [&](std::int8_t status) {
-    return [&, status] { server_.addPair(PairResult{}, message(status)); };
+    return [&, status] { server_.addPair(pipeline::PairResult{}, message(status)); };
   };
   EXPECT_EQ(statusWith("waiting for ", [&] { server_.addMissedPair(message(odometry_t::INVALID)); }), 200);
   health_t health{};
@@ -114,7 +114,7 @@ TEST_F(MetricsServerTest, TooManyClientsWaitAndTheOdometryDoesNot) {
   for (int i = 0; i < 8; ++i)
     idle.push_back(std::make_unique<SilentClient>(port(), "GET "));
   for (int i = 0; i < 1000; ++i)
-    server_.addPair(PairResult{}, message(odometry_t::VALID));
+    server_.addPair(pipeline::PairResult{}, message(odometry_t::VALID));
   const httplib::Result answer = client_.Get("/metrics");
   ASSERT_TRUE(answer) << "answered when the idle ones have been disconnected";
   EXPECT_EQ(answer->status, 200);

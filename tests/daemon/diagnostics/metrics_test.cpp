@@ -77,7 +77,7 @@ TEST(MetricsText, EachLineIsOfPrometheusFormat) {
 }
 
 TEST(MetricsText, SumsTimesOfPairs) {
-  PairResult result;
+  pipeline::PairResult result;
   result.left = {1'000'000'000, 1'050'000'000, 1'054'000'000, 1};
   result.right = {1'000'000'000, 1'051'000'000, 1'053'000'000, 1};
   result.times.total = 0.005;
@@ -87,7 +87,7 @@ TEST(MetricsText, SumsTimesOfPairs) {
   message.publication_utime = 1'061'000;
   message.quality = 0;
   result.level.motion = Eigen::Vector3d(0.125, 0.25, 0.5);
-  result.worst = LimitedBound{BoundedQuantity::motion, 2, 0.5, 0.15};
+  result.worst = pipeline::LimitedBound{pipeline::BoundedQuantity::motion, 2, 0.5, 0.15};
   PairTotals totals;
   totals.add(result, message);
   totals.add(result, message);

@@ -27,7 +27,7 @@ TEST(LiveHandover, HandsOverOnePairInATenthOfASecond) {
   LiveHandover handover;
   handover.noteViewer();
   const auto begin = LiveHandover::Clock::now();
-  PairView* view = handover.nextViewAt(begin);
+  pipeline::PairView* view = handover.nextViewAt(begin);
   ASSERT_NE(view, nullptr);
   view->left = cv::Mat(2, 2, CV_8UC1, cv::Scalar(9));
   handover.addPair(sampleOf(5));

@@ -10,7 +10,7 @@
 namespace cartvo::daemon {
 namespace {
 
-PairView viewOf(const cv::Size& size) {
+pipeline::PairView viewOf(const cv::Size& size) {
   return {cv::Mat(size, CV_8UC1, cv::Scalar(40)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), {}, {}, {}};
 }
 
@@ -38,14 +38,14 @@ TEST(PageFrame, ReducesLargePictures) {
 
 TEST(PageFrame, HasNoPicturesWithoutAPair) {
   EXPECT_EQ(encodePictures({}).jpeg, "");
-  PairView different = viewOf({320, 200});
+  pipeline::PairView different = viewOf({320, 200});
   different.right = cv::Mat();
   EXPECT_EQ(encodePictures(different).jpeg, "");
 }
 
 TEST(PageFrame, ListsLandmarksStillRegionsAndTimes) {
   const EncodedPictures pictures{.jpeg = "", .width = 320, .height = 200, .scale = 2};
-  PairView view;
+  pipeline::PairView view;
   view.landmarks = {{.left_x = 10.25F,
                      .left_y = 20.0F,
                      .right_x = NAN,

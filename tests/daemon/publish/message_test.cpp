@@ -21,7 +21,7 @@
 #include "common/host_clock.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
-#include "support/daemon/valid_result.hpp"
+#include "support/pipeline/valid_result.hpp"
 #include "support/places.hpp"
 
 namespace cartvo::daemon {
@@ -64,9 +64,9 @@ TEST(OdometryMessage, HoldsEstimateInMicrosecondsAndBodyAxes) {
 }
 
 TEST(OdometryMessage, ThatExceedsAnAlertLimitShowsTheBoundsAlone) {
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.level.rotation.z() = 0.027;
-  result.worst = worstBound(result.level, {});
+  result.worst = pipeline::worstBound(result.level, {});
   const odometry_t message = odometryMessage(result);
   EXPECT_EQ(message.status, +odometry_t::INVALID);
   EXPECT_EQ(message.reasons, +odometry_t::REASON_BOUND);
@@ -96,12 +96,12 @@ TEST(OdometryMessage, NamesItsSourceByANumberOfItsOwn) {
   OdometryPublisher first(lcm, std::chrono::milliseconds(200)), second(lcm, std::chrono::milliseconds(200));
   const std::int64_t id = first.publish(validResult()).source_id;
   EXPECT_GT(id, 0);
-  EXPECT_EQ(first.publish(NoPair{}).source_id, id);
+  EXPECT_EQ(first.publish(pipeline::NoPair{}).source_id, id);
   EXPECT_NE(second.publish(validResult()).source_id, id);
 }
 
 TEST(OdometryMessage, InvalidHoldsPoseButNoMeasurement) {
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.estimate.valid = false;
   result.estimate.reasons = vo::OdometryReason::too_few_matches;
   result.estimate.reasons.add(vo::OdometryReason::high_residual);
@@ -125,7 +125,7 @@ TEST(OdometryMessage, InvalidHoldsPoseButNoMeasurement) {
 }
 
 TEST(OdometryMessage, IsInvalidWithoutVelocity) {
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.motion.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
   result.worst.reset();
   const odometry_t message = odometryMessage(result);
@@ -136,7 +136,7 @@ TEST(OdometryMessage, IsInvalidWithoutVelocity) {
 TEST(OdometryMessage, IsInvalidWithAnInstantThatIsStillToCome) {
   lcm::LCM lcm("memq://");
   OdometryPublisher publisher(lcm, std::chrono::milliseconds(200));
-  PairResult result = validResult();
+  pipeline::PairResult result = validResult();
   result.left.exposure_ns = result.right.exposure_ns = hostNow() - 50'000'000;
   EXPECT_EQ(publisher.publish(result).status, +odometry_t::VALID);
   result.left.exposure_ns = hostNow() + 50'000'000;
@@ -148,7 +148,8 @@ TEST(OdometryMessage, IsInvalidWithAnInstantThatIsStillToCome) {
 
 TEST(OdometryMessage, OfMissedPairHoldsReasonAndLastPose) {
   const odometry_t last = odometryMessage(validResult());
-  const odometry_t message = odometryMessage(NoPair{5'000'000'000, NoPairCause::wrong_size}, last);
+  const odometry_t message =
+      odometryMessage(pipeline::NoPair{5'000'000'000, pipeline::NoPairCause::wrong_size}, last);
   EXPECT_EQ(message.utime, 5'000'000);
   EXPECT_EQ(message.arrival_utime, 0);
   EXPECT_EQ(message.status, +odometry_t::INVALID);

@@ -106,7 +106,7 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
 }
 
 TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {
-  const AlertLimits defaults = read(kMinimal).alert_limits;
+  const pipeline::AlertLimits defaults = read(kMinimal).alert_limits;
   EXPECT_NEAR(defaults.angular_rate, 0.2094395, 1e-6);
   const Configuration configuration = read(
       std::string(kMinimal) + "odometry: {alert_limits: {velocity: 0.5, angular_rate: 90, rotation: 3}}\n");

@@ -15,8 +15,8 @@
 #include "calib/rectification/rectifier.hpp"
 #include "capture/camera_source.hpp"
 #include "common/host_clock.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
-#include "support/daemon/alert_limits.hpp"
+#include "pipeline/pair_processor.hpp"
+#include "support/pipeline/alert_limits.hpp"
 
 // Synthetic cameras and frames for tests of the pipeline.
 
@@ -37,8 +37,8 @@ inline calib::Rig smallRig() {
   return rig;
 }
 
-inline daemon::PairProcessor smallProcessor(const calib::Rig& rig,
-                                            const daemon::AlertLimits& alert_limits = kNoAlertLimits) {
+inline pipeline::PairProcessor smallProcessor(const calib::Rig& rig,
+                                              const pipeline::AlertLimits& alert_limits = kNoAlertLimits) {
   const calib::RectificationSettings settings;
   vo::OdometrySettings odometry;
   odometry.features = 300;

@@ -28,7 +28,7 @@ Findings checked(const std::vector<capture::FramePair>& pairs, const calib::Rig&
   const std::atomic<bool> interrupted{false};
   FindingList list("odometry");
   checkProcessing(
-      pairs, {rig, {}, 1, daemon::AbsentReadout::global_shutter}, [](int, int) {}, interrupted, list);
+      pairs, {rig, {}, 1, pipeline::AbsentReadout::global_shutter}, [](int, int) {}, interrupted, list);
   return list.take();
 }
 

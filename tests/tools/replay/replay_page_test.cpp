@@ -28,9 +28,9 @@ class ReplayPageTest : public testing::Test {
   }
 
   void addPair(std::uint64_t sequence) {
-    daemon::PairView* view = page_.viewer().nextView();
+    pipeline::PairView* view = page_.nextView();
     view->left = view->right = cv::Mat(8, 16, CV_8UC1, cv::Scalar(static_cast<double>(sequence)));
-    daemon::PairResult result;
+    pipeline::PairResult result;
     result.sequence = sequence;
     page_.addPair(result, 10);
     added_ = sequence + 1;

@@ -18,8 +18,8 @@
 #include "calib/format/rig_formats.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "common/atomic_file.hpp"
-#include "support/daemon/alert_limits.hpp"
 #include "support/error_message.hpp"
+#include "support/pipeline/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "tools/evaluate/association.hpp"
@@ -86,7 +86,7 @@ Replay replayed(const std::filesystem::path& source) {
   ReplaySettings settings;
   settings.source = source;
   settings.alert_limits = test::kNoAlertLimits;
-  return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
+  return replaySource(settings, [](const pipeline::PairResult&, std::size_t) {});
 }
 
 /// The first pairs of kitti_06 in a separate folder for each test; most tests share one replay.
@@ -220,7 +220,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
   settings.source = folder_.path();
   settings.odometry.features = 500;
   settings.alert_limits = test::kNoAlertLimits;
-  const Replay replay = replaySource(settings, [](const daemon::PairResult&, std::size_t expected) {
+  const Replay replay = replaySource(settings, [](const pipeline::PairResult&, std::size_t expected) {
     EXPECT_EQ(expected, static_cast<std::size_t>(kPairs));
   });
   const nlohmann::ordered_json summary = replaySummary(settings, replay);
@@ -237,7 +237,7 @@ TEST_F(ReplayOfKitti, HasSummary) {
 
 TEST_F(ReplayOfKitti, PrefersGivenRigThenRigYamlThenCalibTxt) {
   const auto found = [&](const std::filesystem::path& given) {
-    return daemon::findRig(capture::openSource(folder_.path()), folder_.path(), given);
+    return pipeline::findRig(capture::openSource(folder_.path()), folder_.path(), given);
   };
   EXPECT_EQ(found({}).rig.name, "KITTI");
   EXPECT_EQ(found({}).rig.left.size, cv::Size(1226, 370));

@@ -78,8 +78,8 @@ TEST(Interruption, TurnsASignalIntoAnErrorAfterWhichNothingIsLeft) {
   EXPECT_EQ(fileCount(folder.path()), 0u);
 }
 
-daemon::PairResult resultOf(int index, bool is_valid) {
-  daemon::PairResult result;
+pipeline::PairResult resultOf(int index, bool is_valid) {
+  pipeline::PairResult result;
   result.sequence = static_cast<std::uint64_t>(index);
   result.left.exposure_ns = index * kPeriod_ns;
   result.right.exposure_ns = result.left.exposure_ns + 2'000'000;

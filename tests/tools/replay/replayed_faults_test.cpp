@@ -9,8 +9,8 @@
 
 #include "calib/format/rig_file.hpp"
 #include "capture/recording/stream_recorder.hpp"
-#include "support/daemon/alert_limits.hpp"
 #include "support/pattern_content.hpp"
+#include "support/pipeline/alert_limits.hpp"
 #include "support/resources.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/replay/motion_csv.hpp"
@@ -121,7 +121,7 @@ Replay replayRecording(const std::filesystem::path& folder) {
   settings.odometry.features = 150;
   settings.alert_limits = test::kNoAlertLimits;
   settings.clock = ReplayClock::automatic;
-  return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
+  return replaySource(settings, [](const pipeline::PairResult&, std::size_t) {});
 }
 
 /// Number of replays: CARTVO_REPLAYED_HOURS sets the total duration of the replayed drives; by default 3.

@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "support/capture/written_files.hpp"
-#include "support/daemon/alert_limits.hpp"
+#include "support/pipeline/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "tools/replay/replay.hpp"
@@ -44,7 +44,7 @@ std::string instantOf(int index) {
 Replay replayed(ReplaySettings settings) {
   settings.odometry.features = 400;
   settings.alert_limits = test::kNoAlertLimits;
-  return replaySource(settings, [](const daemon::PairResult&, std::size_t) {});
+  return replaySource(settings, [](const pipeline::PairResult&, std::size_t) {});
 }
 
 void expectEqualPoses(const Replay& one, const Replay& other) {

@@ -154,7 +154,7 @@ TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   settings.rig = folder / "rig.yaml";
   settings.video_offset = 0.0;
   const Replay replay = replayVideos(
-      settings, [](std::size_t, std::size_t) {}, [](const daemon::PairResult&, std::size_t) {});
+      settings, [](std::size_t, std::size_t) {}, [](const pipeline::PairResult&, std::size_t) {});
   ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kPairs));
   EXPECT_EQ(replay.kind, capture::SourceKind::videos);
   Trajectory truth = readTrajectory(sequence / "poses.txt");

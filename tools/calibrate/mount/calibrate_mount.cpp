@@ -13,7 +13,7 @@
 #include "capture/stereo_source.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/units.hpp"
-#include "daemon/pipeline/source_rig.hpp"
+#include "pipeline/source_rig.hpp"
 #include "tools/calibrate/mount/mount.hpp"
 #include "tools/calibrate/mount/mount_source.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -78,7 +78,7 @@ nlohmann::ordered_json jsonOf(const Mount& mount, const MountMeasurements& measu
 
 void run(const Options& options, bool gives_forward, bool gives_left) {
   checkResultFiles({options.output});
-  calib::Rig rig = daemon::findRig(capture::openSource(options.source), options.source, options.rig).rig;
+  calib::Rig rig = pipeline::findRig(capture::openSource(options.source), options.source, options.rig).rig;
   if (gives_forward) rig.T_body_camera.translation().x() = options.forward;
   if (gives_left) rig.T_body_camera.translation().y() = options.left;
   MountMeasurements measurements;

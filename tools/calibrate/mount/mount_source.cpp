@@ -7,8 +7,8 @@
 
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
-#include "daemon/pipeline/body_motion.hpp"
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/body_motion.hpp"
+#include "pipeline/pair_processor.hpp"
 #include "tools/calibrate/mount/ground_plane.hpp"
 #include "tools/calibrate/source_pairs.hpp"
 
@@ -23,11 +23,11 @@ double secondsOf(std::int64_t instant_ns) {
 }
 
 /// The mean twist of the left camera since the previous pair, in its own axes.
-std::optional<CameraTwist> twistOf(const daemon::PairResult& result,
+std::optional<CameraTwist> twistOf(const pipeline::PairResult& result,
                                    const Eigen::Matrix3d& R_left_rectified) {
   const vo::OdometryEstimate& estimate = result.estimate;
   if (!estimate.valid || estimate.time_step <= 0.0) return std::nullopt;
-  const vo::Vector6d twist = daemon::logarithm(estimate.T_previous_current) / estimate.time_step;
+  const vo::Vector6d twist = pipeline::logarithm(estimate.T_previous_current) / estimate.time_step;
   return CameraTwist{secondsOf(estimate.exposure_ns), R_left_rectified * twist.head<3>(),
                      R_left_rectified * twist.tail<3>()};
 }
@@ -42,7 +42,7 @@ std::optional<GroundPlane> groundOf(const capture::FramePair& pair, const calib:
 /// Collects the measurements, pair by pair.
 class MountMeasurementCollector {
  public:
-  MountMeasurementCollector(const calib::Rig& rig, daemon::AbsentReadout absent_readout)
+  MountMeasurementCollector(const calib::Rig& rig, pipeline::AbsentReadout absent_readout)
       : processor_(rig, {rig, rig.rectification, calib::buildTables(rig, rig.rectification)},
                    {.absent_readout = absent_readout}),
         R_left_rectified_(processor_.T_left_rectified().linear()) {}
@@ -66,7 +66,7 @@ class MountMeasurementCollector {
   MountMeasurements measurements;
 
  private:
-  daemon::PairProcessor processor_;
+  pipeline::PairProcessor processor_;
   Eigen::Matrix3d R_left_rectified_;
   std::optional<double> next_observation_;  ///< s
 };
@@ -76,7 +76,7 @@ class MountMeasurementCollector {
 MountMeasurements collectMountMeasurements(const std::filesystem::path& source, const calib::Rig& rig,
                                            const MountProgress& progress) {
   capture::StereoSource pairs = capture::openSource(source);
-  MountMeasurementCollector collector(rig, daemon::absentReadoutOf(pairs.kind));
+  MountMeasurementCollector collector(rig, pipeline::absentReadoutOf(pairs.kind));
   forEachPair(pairs, [&](const capture::FramePair& pair) {
     collector.add(pair);
     progress(collector.measurements.pairs, pairs.pairs);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/pipeline/protection_level.hpp"
+#include "pipeline/protection_level.hpp"
 #include "tools/evaluate/odometry_file.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
@@ -25,8 +25,8 @@ struct JudgedMessage {
   /// valid, infinite where a VALID message has no number. Motion and rotation: of the motion since the oldest
   /// VALID message of the same epoch in the last second (kMotionSpan_ns), because those are the poses that a
   /// controller may compare; NaN for the first one.
-  daemon::ProtectionLevel error;
-  daemon::ProtectionLevel bound;  ///< as the message states it; NaN where it states none
+  pipeline::ProtectionLevel error;
+  pipeline::ProtectionLevel bound;  ///< as the message states it; NaN where it states none
 };
 
 inline constexpr std::int64_t kMotionSpan_ns = 1'000'000'000;

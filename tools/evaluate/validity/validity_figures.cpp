@@ -44,7 +44,7 @@ double ValidityFigures::availability() const {
   return messages == 0 ? 0.0 : static_cast<double>(valid) / static_cast<double>(messages);
 }
 
-bool isAboveLimit(const JudgedMessage& message, const daemon::AlertLimits& limits) {
+bool isAboveLimit(const JudgedMessage& message, const pipeline::AlertLimits& limits) {
   const auto above = [](const Eigen::Vector3d& errors, double limit) {
     return exceeds(errors, Eigen::Vector3d::Constant(limit));
   };
@@ -61,7 +61,7 @@ bool isAboveBound(const JudgedMessage& message) {
 }
 
 ValidityFigures validityFigures(const std::vector<JudgedMessage>& messages,
-                                const daemon::AlertLimits& limits) {
+                                const pipeline::AlertLimits& limits) {
   ValidityFigures figures;
   figures.longest_gap = longestGap(messages);
   for (const JudgedMessage& message : messages) {
@@ -103,7 +103,7 @@ std::string judgedMessagesCsv(const std::vector<JudgedMessage>& messages) {
   csv += "\n";
   for (const JudgedMessage& message : messages) {
     csv += fmt::format("{},{}", message.time_ns / 1000, message.valid ? 1 : 0);
-    for (const daemon::ProtectionLevel* level : {&message.error, &message.bound}) {
+    for (const pipeline::ProtectionLevel* level : {&message.error, &message.bound}) {
       for (const Eigen::Vector3d* values :
            {&level->velocity, &level->angular_rate, &level->motion, &level->rotation}) {
         for (const double value : *values)

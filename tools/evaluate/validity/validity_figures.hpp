@@ -27,14 +27,14 @@ struct ValidityFigures {
   double availability() const;
 };
 
-bool isAboveLimit(const JudgedMessage& message, const daemon::AlertLimits& limits);
+bool isAboveLimit(const JudgedMessage& message, const pipeline::AlertLimits& limits);
 
 /// An error without a bound is above it.
 bool isAboveBound(const JudgedMessage& message);
 
 /// Figures of one drive, whose messages are in the order of time.
 ValidityFigures validityFigures(const std::vector<JudgedMessage>& messages,
-                                const daemon::AlertLimits& limits);
+                                const pipeline::AlertLimits& limits);
 
 /// "3 of 251", of the VALID messages with a truth.
 std::string shareOfJudged(const ValidityFigures& figures, std::size_t count);

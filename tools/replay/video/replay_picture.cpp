@@ -123,13 +123,13 @@ void drawPath(Canvas& canvas, const std::vector<cv::Point2d>& path, double right
               tickLabel(length, length) + " m", kWhite);
 }
 
-std::string motionText(const daemon::BodyMotion& motion, double distance) {
+std::string motionText(const pipeline::BodyMotion& motion, double distance) {
   const Eigen::Vector3d rates = kDegreesPerRadian * motion.angular_velocity;
   return fmt::format("speed {:.2f} m/s    roll {:+.1f}  pitch {:+.1f}  yaw {:+.1f} deg/s    driven {:.1f} m",
                      motion.velocity.x(), rates.x(), rates.y(), rates.z(), distance);
 }
 
-void drawState(Canvas& canvas, const daemon::PairResult& result, double seconds, double distance,
+void drawState(Canvas& canvas, const pipeline::PairResult& result, double seconds, double distance,
                double top) {
   const vo::OdometryEstimate& estimate = result.estimate;
   constexpr double kLeft = 14.0;
@@ -158,7 +158,7 @@ void drawState(Canvas& canvas, const daemon::PairResult& result, double seconds,
 
 }  // namespace
 
-void ReplayPictures::addToPath(const daemon::PairResult& result) {
+void ReplayPictures::addToPath(const pipeline::PairResult& result) {
   if (!has_first_) first_ns_ = result.left.exposure_ns;
   has_first_ = true;
   if (result.estimate.reset_counter != epoch_) {
@@ -186,7 +186,7 @@ void ReplayPictures::extendPath(const cv::Point2d& place) {
   path_ = std::move(kept);
 }
 
-cv::Mat ReplayPictures::draw(const daemon::PairResult& result, const cv::Mat& left,
+cv::Mat ReplayPictures::draw(const pipeline::PairResult& result, const cv::Mat& left,
                              const vo::LandmarkViews& landmarks) {
   addToPath(result);
   int scale = 1;

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "daemon/pipeline/pair_processor.hpp"
+#include "pipeline/pair_processor.hpp"
 
 namespace cartvo {
 
@@ -13,10 +13,10 @@ namespace cartvo {
 class ReplayPictures {
  public:
   /// The picture of the next pair (CV_8UC3, BGR; even width and height). `left`: its rectified left image.
-  cv::Mat draw(const daemon::PairResult& result, const cv::Mat& left, const vo::LandmarkViews& landmarks);
+  cv::Mat draw(const pipeline::PairResult& result, const cv::Mat& left, const vo::LandmarkViews& landmarks);
 
  private:
-  void addToPath(const daemon::PairResult& result);
+  void addToPath(const pipeline::PairResult& result);
   void extendPath(const cv::Point2d& place);
 
   std::int64_t first_ns_ = 0;

@@ -16,7 +16,7 @@ const std::filesystem::path& inFolder(const std::filesystem::path& file) {
 
 VideoRecorder::VideoRecorder(const std::filesystem::path& file) : writer_(inFolder(file)) {}
 
-void VideoRecorder::add(const daemon::PairResult& result) {
+void VideoRecorder::add(const pipeline::PairResult& result) {
   writer_.add(pictures_.draw(result, view_.left, view_.landmarks), result.left.exposure_ns);
 }
 

@@ -13,9 +13,9 @@
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include "common/atomic_file.hpp"
+#include "common/digest.hpp"
 #include "tools/simulate/stream/stream_file.hpp"
 
 namespace cartvo::simulate {
@@ -78,8 +78,7 @@ fs::path StreamCache::defaultFolder() {
 
 fs::path StreamCache::fileFor(const std::string& key) const {
   char name[17];
-  std::snprintf(name, sizeof name, "%016llx",
-                static_cast<unsigned long long>(XXH3_64bits(key.data(), key.size())));
+  std::snprintf(name, sizeof name, "%016llx", static_cast<unsigned long long>(digestOf(key)));
   return folder_ / (std::string(name) + kExtension);
 }
 

@@ -6,14 +6,14 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include <xxhash.h>
+#include "common/digest.hpp"
 
 namespace cartvo::simulate {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kMagic = "cartvo encoded streams, format 1\n";
+constexpr std::string_view kMagic = "cartvo encoded streams, format 2\n";
 
 class Writer {
  public:
@@ -121,7 +121,7 @@ std::string streamFileContents(const EncodedPair& pair, std::string_view key) {
   writer.text(key);
   writer.stream(pair.left);
   writer.stream(pair.right);
-  writer.number<std::uint64_t>(XXH3_64bits(writer.contents().data(), writer.contents().size()));
+  writer.number<std::uint64_t>(digestOf(writer.contents()));
   return writer.releaseContents();
 }
 
@@ -131,7 +131,7 @@ EncodedPair parseStreamFile(std::string_view contents, std::string_view key) {
     throw std::runtime_error("it is not a file of encoded streams in this format");
   if (contents.size() < kMagic.size() + kChecksumSize) throw std::runtime_error("it is truncated");
   const std::string_view body = contents.substr(0, contents.size() - kChecksumSize);
-  if (Reader(contents.substr(body.size())).number<std::uint64_t>() != XXH3_64bits(body.data(), body.size())) {
+  if (Reader(contents.substr(body.size())).number<std::uint64_t>() != digestOf(body)) {
     throw std::runtime_error("its checksum is wrong");
   }
   Reader reader(body.substr(kMagic.size()));

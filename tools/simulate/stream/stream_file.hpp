@@ -7,8 +7,8 @@
 
 namespace cartvo::simulate {
 
-// File format of cached streams: a line that names the format, the cache key, both streams, and an XXH3
-// checksum of all that. Little-endian, like every machine that cartvo supports.
+// File format of cached streams: a line that names the format, the cache key, both streams, and digestOf()
+// all that. Little-endian, like every machine that cartvo supports.
 
 /// Serialises the streams with their cache key.
 std::string streamFileContents(const EncodedPair& pair, std::string_view key);

@@ -52,7 +52,7 @@ std::vector<OdometryRow> messages(std::size_t count) {
 }
 
 ValidityFigures figuresOf(const std::vector<OdometryRow>& rows) {
-  constexpr daemon::AlertLimits kLimits{0.3, 0.05, 0.15, 0.025};
+  constexpr pipeline::AlertLimits kLimits{0.3, 0.05, 0.15, 0.025};
   return validityFigures(judge(rows, trueStates(rows, truth())), kLimits);
 }
 

@@ -1,0 +1,156 @@
+// Bounds of the errors of a published motion.
+#include "pipeline/protection_level.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <utility>
+
+#include "vo_core/geometry/pose_drift.hpp"
+
+namespace cartvo::pipeline {
+namespace {
+
+constexpr double kSecond = 1.0;
+// rad/s: all that a kerb changes a rate by. Pictures of 9 Hz, as at night, miss it as a whole.
+constexpr double kKerbRate = 0.1;
+constexpr double kInstantTolerance = 1e-3;  // s; 18 periods of 18 Hz are a second in spite of rounding
+
+/// Words for the text about a bound: the operator sees no axes.
+struct QuantityWords {
+  std::array<const char*, 3> axes;
+  const char* is_known;
+  const char* unit;
+  double unit_factor;
+};
+
+const QuantityWords& wordsOf(BoundedQuantity quantity) {
+  static constexpr std::array<QuantityWords, 4> kWords{{
+      {{"forward velocity", "sideways velocity", "vertical velocity"}, "is known to", "m/s", 1.0},
+      {{"roll rate", "pitch rate", "yaw rate"}, "is known to", "deg/s", kDegreesPerRadian},
+      {{"forward motion", "sideways motion", "vertical motion"}, "of the last second is known to", "m", 1.0},
+      {{"roll", "pitch", "yaw"}, "of the last second is known to", "deg", kDegreesPerRadian},
+  }};
+  return kWords[static_cast<std::size_t>(quantity)];
+}
+
+/// Bounds by the diagonal of a covariance, from `row` on, and what is added to them.
+Eigen::Vector3d boundsOf(const vo::Matrix6d& covariance, int row, double added) {
+  return (kBoundFactor * covariance.diagonal().segment<3>(row).cwiseSqrt()).array() + added;
+}
+
+}  // namespace
+
+int LimitedBound::quality() const {
+  if (isExceeded()) return 0;
+  return std::max(1, static_cast<int>(std::lround(100.0 * (1.0 - share()))));
+}
+
+std::string LimitedBound::text() const {
+  const QuantityWords& words = wordsOf(quantity);
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "%s %s %.2f %s, alert limit %.2f %s",
+                words.axes[static_cast<std::size_t>(axis)], words.is_known, words.unit_factor * bound,
+                words.unit, words.unit_factor * limit, words.unit);
+  return text.data();
+}
+
+LimitedBound worstBound(const ProtectionLevel& level, const AlertLimits& limits) {
+  const std::array<std::pair<const Eigen::Vector3d*, double>, 4> bounds{{
+      {&level.velocity, limits.velocity},
+      {&level.angular_rate, limits.angular_rate},
+      {&level.motion, limits.motion},
+      {&level.rotation, limits.rotation},
+  }};
+  LimitedBound worst{.limit = limits.velocity};
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const auto& [values, limit] = bounds[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double bound = (*values)[axis];
+      const LimitedBound limited{static_cast<BoundedQuantity>(i), axis, bound, limit};
+      if (std::isnan(bound)) return limited;
+      if (limited.share() > worst.share()) worst = limited;
+    }
+  }
+  return worst;
+}
+
+ProtectionLevels::ProtectionLevels(const Eigen::Isometry3d& T_body_rectified, double scale_stddev,
+                                   const vo::UncertaintySettings& uncertainty)
+    : T_body_rectified_(T_body_rectified), scale_stddev_(scale_stddev), uncertainty_(uncertainty) {
+  // The core divides the noise of a pose relative to its landmarks into a part that is independent in each
+  // pair and the drift. Here the covariances are those of motions, which are independent as a whole beside
+  // the drift.
+  uncertainty_.independent_noise_ratio = 1.0;
+}
+
+ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, const BodyMotion& motion) {
+  if (estimate.reset_counter != epoch_) {
+    motions_.clear();
+    newest_valid_ = false;
+  }
+  epoch_ = estimate.reset_counter;
+  ProtectionLevel level;
+  if (!estimate.valid || !(estimate.time_step > 0.0)) return level;
+  add(estimate);
+  const vo::Matrix6d Ad = vo::adjoint(T_body_rectified_);
+  const LastSecond last = lastSecond();
+  const vo::Matrix6d covariance = Ad * last.covariance * Ad.transpose();
+  // For a second after it has stopped, a cart sways on its springs by less than standstill is recognised by.
+  const bool stands =
+      std::all_of(motions_.begin(), motions_.end(), [](const Motion& part) { return part.stands; });
+  const double by_jerk = stands ? 0.0 : kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
+  level.velocity = boundsOf(motion.twist_covariance, 0, by_jerk);
+  level.angular_rate = boundsOf(motion.twist_covariance, 3, std::min(by_jerk, kKerbRate));
+  level.motion = boundsOf(covariance, 0, kMotionFloor + kWayShare * last.distance);
+  level.rotation = boundsOf(covariance, 3, kRotationFloor);
+  return level;
+}
+
+void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
+  const vo::Vector6d &by_offset = estimate.motion_offset_error, &by_readout = estimate.motion_readout_error;
+  const vo::Matrix6d common = by_offset * by_offset.transpose() + by_readout * by_readout.transpose();
+  motions_.push_back({newest_valid_, estimate.reasons == vo::OdometryReason::zero_velocity,
+                      estimate.time_step, estimate.T_previous_current, estimate.motion_covariance - common,
+                      by_offset, by_readout});
+  newest_valid_ = false;
+  double duration = 0.0;
+  for (const Motion& motion : motions_)
+    duration += motion.time_step;
+  while (motions_.size() > 1 && duration > kSecond + kInstantTolerance) {
+    duration -= motions_.front().time_step;
+    motions_.pop_front();
+  }
+}
+
+/// In the axes of the rectified camera. An error of the time offset or of readouts is common to all motions,
+/// and counts as an independent one in each too, so that it does not cancel when the cart turns left and
+/// right, as in the core. An error of the rig's scale makes all distances too long by the same fraction.
+ProtectionLevels::LastSecond ProtectionLevels::lastSecond() const {
+  vo::PoseUncertainty uncertainty;
+  // The first motions of a track are uncertain because they are the first, not because they drift.
+  uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
+  vo::Vector6d by_offset = vo::Vector6d::Zero(), by_readout = vo::Vector6d::Zero();
+  Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
+  const auto oldest_valid = std::find_if(motions_.begin(), std::prev(motions_.end()),
+                                         [](const Motion& motion) { return motion.starts_valid; });
+  for (auto it = oldest_valid; it != motions_.end(); ++it) {
+    const Motion& motion = *it;
+    uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current,
+                                  {.pairs = 1, .noise = motion.noise, .patch_motion = 1.0}, uncertainty_);
+    uncertainty.pose += motion.offset_error * motion.offset_error.transpose() +
+                        motion.readout_error * motion.readout_error.transpose();
+    const vo::Matrix6d carried = vo::adjoint(motion.T_previous_current.inverse());
+    by_offset = carried * by_offset + motion.offset_error;
+    by_readout = carried * by_readout + motion.readout_error;
+    T_start_current = T_start_current * motion.T_previous_current;
+  }
+  const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);
+  return {uncertainty.pose + by_offset * by_offset.transpose() + by_readout * by_readout.transpose() +
+              by_scale * by_scale.transpose(),
+          T_start_current.translation().norm()};
+}
+
+}  // namespace cartvo::pipeline

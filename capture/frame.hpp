@@ -15,7 +15,7 @@ enum class FrameStatus : std::uint8_t {
   damaged,  ///< data were lost since the last refresh, or its RTP time cannot be: do not use it
 };
 
-/// Source of a frame's instant of exposure.
+/// Source of a frame's instant of exposure: in the order of camera_health_t's constants.
 enum class InstantSource : std::uint8_t {
   file,           ///< written beside the images
   sender_report,  ///< RTP time related to the camera's clock by RTCP sender reports (RFC 3550, 6.4.1)

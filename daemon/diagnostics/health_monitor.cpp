@@ -124,7 +124,7 @@ void setSelfCheck(health_t& message, const SelfCheck& check) {
   message.self_check = shortened(check.message());
 }
 
-double decodeMilliseconds(const FrameInstants& frame) {
+double decodeMilliseconds(const capture::FrameTimestamps& frame) {
   return static_cast<double>(frame.decoded_ns - frame.arrival_ns) * 1e-6;
 }
 

@@ -17,7 +17,7 @@ enum class ReadOutcome : std::uint8_t {
   ended,      ///< there will be no further frame
 };
 
-/// State of a camera, for health reports.
+/// State of a camera, for health reports: in the order of camera_health_t's constants.
 enum class CameraState : std::uint8_t {
   connecting,
   streaming,

@@ -21,22 +21,14 @@ struct StreamFormat {
 };
 
 /// One picture as the camera sent it, with its time stamps.
-struct EncodedUnit {
+struct EncodedUnit : FrameTimestamps {
   std::vector<std::uint8_t> data;  ///< an access unit in Annex B form (with start codes)
   std::int64_t pts = 0;            ///< RTP time stamp, unwrapped, 1/90000 s; continuous within one connection
-  std::int64_t exposure_ns = 0;    ///< as Frame's
-  std::int64_t exposure_stddev_ns = 0;       ///< as Frame's
-  std::int64_t slew_ns = 0;                  ///< as Frame's
-  std::int64_t min_delay_arrival_ns = 0;     ///< as Frame's
   std::int64_t first_arrival_ns = 0;         ///< reception of its first packet, host's clock
-  std::int64_t arrival_ns = 0;               ///< as Frame's
   std::optional<std::int64_t> reference_us;  ///< as RtpTimestamps'
-  std::uint64_t sequence = 0;                ///< as Frame's
-  std::uint64_t order = 0;                   ///< as Frame's
-  InstantSource instant_source = InstantSource::arrival;
-  FrameStatus status = FrameStatus::good;  ///< damaged: data were lost since the last key frame
-  bool data_lost = false;                  ///< data are missing before or in it
-  bool key = false;                        ///< decodable without the pictures before it
+  FrameStatus status = FrameStatus::good;    ///< damaged: data were lost since the last key frame
+  bool data_lost = false;                    ///< data are missing before or in it
+  bool key = false;                          ///< decodable without the pictures before it
 };
 
 /// Receives a camera's stream, encoded as received (used by the recorder). Called in the thread that reads

@@ -19,10 +19,6 @@ Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
   return transform;
 }
 
-FrameInstants instants(const capture::Frame& frame) {
-  return {frame.exposure_ns, frame.arrival_ns, frame.decoded_ns, frame.sequence, frame.min_delay_arrival_ns};
-}
-
 }  // namespace
 
 class PairProcessor::Implementation {
@@ -42,8 +38,8 @@ class PairProcessor::Implementation {
   PairResult process(const capture::FramePair& pair) {
     PairResult result;
     result.sequence = next_sequence_++;
-    result.left = instants(pair.left);
-    result.right = instants(pair.right);
+    result.left = pair.left;
+    result.right = pair.right;
 
     PairView* const view = viewer_ == nullptr ? nullptr : viewer_->nextView();
     clock_.startPair();

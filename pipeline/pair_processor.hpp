@@ -23,20 +23,11 @@ class Rectifier;
 
 namespace cartvo::pipeline {
 
-/// Timestamps (see Frame) and number of one frame.
-struct FrameInstants {
-  std::int64_t exposure_ns = 0;
-  std::int64_t arrival_ns = 0;
-  std::int64_t decoded_ns = 0;
-  std::uint64_t sequence = 0;
-  std::int64_t min_delay_arrival_ns = 0;
-};
-
 /// Result of processing one pair of frames.
 struct PairResult {
   std::uint64_t sequence = 0;  ///< counts the processed pairs from 0
-  FrameInstants left;
-  FrameInstants right;
+  capture::FrameTimestamps left;
+  capture::FrameTimestamps right;
   vo::OdometryEstimate estimate;  ///< of the rectified left camera
   int features = 0;               ///< target number
   BodyMotion motion;              ///< of the cart's body; velocities at the exposure (estimate.twist, else

@@ -14,8 +14,6 @@ namespace cartvo::pipeline {
 namespace {
 
 constexpr double kSecond = 1.0;
-// rad/s: all that a kerb changes a rate by. Pictures of 9 Hz, as at night, miss it as a whole.
-constexpr double kKerbRate = 0.1;
 constexpr double kInstantTolerance = 1e-3;  // s; 18 periods of 18 Hz are a second in spite of rounding
 
 /// Words for the text about a bound: the operator sees no axes.
@@ -101,6 +99,7 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
   // For a second after it has stopped, a cart sways on its springs by less than standstill is recognised by.
   const bool stands =
       std::all_of(motions_.begin(), motions_.end(), [](const Motion& part) { return part.stands; });
+  // Velocities that are extrapolated to the exposure err by a third of the jerk times the step squared.
   const double by_jerk = stands ? 0.0 : kUnannouncedJerk / 3.0 * estimate.time_step * estimate.time_step;
   level.velocity = boundsOf(motion.twist_covariance, 0, by_jerk);
   level.angular_rate = boundsOf(motion.twist_covariance, 3, std::min(by_jerk, kKerbRate));

@@ -9,6 +9,7 @@
 
 #include "common/units.hpp"
 #include "pipeline/body_motion.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 // Bounds of the errors of a published motion, and the alert limits that they are compared with. The terms are
@@ -16,16 +17,9 @@
 
 namespace cartvo::pipeline {
 
-/// A bound in standard deviations: a normal distribution exceeds them, to either side, with a probability of
-/// 1e-4.
-constexpr double kBoundFactor = 3.9;
-/// m/s^3 and rad/s^3: a kerb, which no earlier pair announces. Velocities that are extrapolated to the
-/// exposure, over the time step h, err by a third of it times h^2 beyond kBoundFactor. Measured on lively
-/// rendered drives (RMS 30 m/s^3).
-constexpr double kUnannouncedJerk = 50.0;
-/// m and rad: what is added for the motion of the last second. Landmarks and rig have errors that no
-/// covariance contains, most of them of scale: kWayShare of the distance is added too.
-constexpr double kMotionFloor = 0.005, kRotationFloor = 0.0004, kWayShare = 0.004;
+using vo::protection::kBoundFactor, vo::protection::kUnannouncedJerk, vo::protection::kKerbRate;
+/// Added for the motion of the last second.
+using vo::protection::kMotionFloor, vo::protection::kRotationFloor, vo::protection::kWayShare;
 
 /// Bounds that the errors of a pair's motion exceed with a probability of at most 1e-4 a message, in the axes
 /// of the current body. NaN if there is no estimate.

@@ -18,8 +18,8 @@ MOST_SOURCES, MOST_LINES = 30, 400
 LAYERS = {
     "vo_core": [
         "vo_core/rigid_motion vo_core/stereo_camera vo_core/stereo_masks vo_core/odometry_settings vo_core/stage_observer vo_core/key_frames "
-        "vo_core/rig_calibration_error vo_core/image_region vo_core/landmark_view vo_core/shutter vo_core/tuned_constants "
-        "vo_core/self_calibration_settings",
+        "vo_core/odometry_reason vo_core/rig_calibration_error vo_core/image_region vo_core/landmark_view vo_core/shutter vo_core/tuned_constants "
+        "vo_core/fixed_constants vo_core/self_calibration_settings",
         "vo_core/odometry_estimate",
         "vo_core/simd",
         "vo_core/geometry vo_core/image",

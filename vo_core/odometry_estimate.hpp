@@ -8,6 +8,7 @@
 
 #include "vo_core/image_region.hpp"
 #include "vo_core/key_frames.hpp"
+#include "vo_core/odometry_reason.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/shutter.hpp"
@@ -29,29 +30,6 @@ struct StereoImages {
   std::uint64_t left_digest = 0, right_digest = 0;
 };
 
-/// Why an estimate is invalid or, for zero_velocity, how it was obtained. Unless stated otherwise an invalid
-/// estimate repeats the last pose, and the epoch goes on.
-enum class OdometryReason : std::uint8_t {
-  none,                 ///< the estimate is valid
-  first_pair,           ///< the first pair: no motion yet; the pose is the identity
-  too_few_features,     ///< fewer features than validity.minimum_features: too little texture
-  too_few_matches,      ///< too few tracked features with a depth (validity.minimum_matches) or in stereo
-  too_few_inliers,      ///< no motion has enough inliers, or two motions fit the first two pairs
-  high_residual,        ///< the best motion fits badly; `estimator: thesis` only
-  time_step,            ///< the left exposure is not later than the previous one, or too much later: a new
-                        ///< epoch starts
-  implausible_motion,   ///< faster than validity.maximum_speed or validity.maximum_rate
-  degenerate_geometry,  ///< the features leave a direction of the motion undetermined
-  zero_velocity,        ///< valid: standstill was detected, the pose is kept
-  offset_uncertain,     ///< offset_stddev exceeds validity.maximum_offset_uncertainty
-  repeated_picture,     ///< a camera repeats its image while the cart moves (it is frozen). When it recovers
-                        ///< after an unknown distance, a new epoch starts
-  offset_too_large,     ///< the exposures of the pair are more than validity.maximum_offset apart
-  wrong_stereo_geometry,  ///< the images do not belong together as the rig says: see StereoFault. After it, a
-                          ///< new epoch starts
-};
-constexpr int kOdometryReasonCount = 14;
-
 /// How far the images can be trusted after a pair. Only the estimates of `tracking` and `standstill` are
 /// valid. IntegrityMonitor has the transitions.
 enum class IntegrityState : std::uint8_t {
@@ -61,34 +39,6 @@ enum class IntegrityState : std::uint8_t {
   right_frozen,  ///< the right one does
   both_frozen,   ///< both do
   lost,          ///< no motion is known: before the first one, and while tracking fails
-};
-
-/// A gross fault of the rig or of the pairs, at which a motion may look good and be wrong.
-enum class StereoFault : std::uint8_t {
-  none,
-  suspected,      ///< one of the following was seen, but not yet in enough pairs to name it
-  same_picture,   ///< both images are the same picture
-  swapped,        ///< the left image comes from the right camera and vice versa
-  misaligned,     ///< rows disagree by more than self-calibration can correct: another rig's file
-  period_offset,  ///< the right image lies a period of the camera or more from its timestamp
-};
-
-/// Set of reasons. Only `estimator: thesis` sets more than one.
-class OdometryReasons {
- public:
-  constexpr OdometryReasons() = default;
-  constexpr OdometryReasons(OdometryReason reason) { add(reason); }  // NOLINT(google-explicit-constructor)
-
-  constexpr void add(OdometryReason reason) {
-    if (reason != OdometryReason::none) set_ |= bitOf(reason);
-  }
-  constexpr bool has(OdometryReason reason) const { return (set_ & bitOf(reason)) != 0; }
-  constexpr bool operator==(const OdometryReasons&) const = default;
-
- private:
-  static constexpr std::uint32_t bitOf(OdometryReason reason) { return 1U << static_cast<unsigned>(reason); }
-
-  std::uint32_t set_ = 0;
 };
 
 /// Numbers of features of a pair.

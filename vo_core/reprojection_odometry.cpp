@@ -45,13 +45,12 @@ class ReprojectionOdometry final : public OdometryMethod {
   PreparedPair prepare(const StereoImages& images, StageObserver& observer);
   OdometryEstimate reject(const PreparedPair& pair, OdometryReason reason) const;
   LearntByTracks latestLearnt() const;
-  IntegrityAction tryRelocalise(PreparedPair pair, IntegrityMonitor& integrity, TrackedMotion& motion,
-                                StageObserver& observer);
+  IntegrityAction observe(PreparedPair& pair, IntegrityMonitor& integrity, TrackedMotion& motion,
+                          StageObserver& observer);
   void useCandidate();
   void endEpoch();
   void compensateCodecShift(const PreparedPair& pair, TrackedMotion& motion);
   OdometryEstimate startTrack(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
-  OdometryEstimate startEpoch(const PreparedPair& pair, OdometryReason reason, StageObserver& observer);
   OdometryEstimate wait(const PreparedPair& pair, const TrackedMotion& ambiguous, StageObserver& observer);
   OdometryEstimate handleLoss(const PreparedPair& pair, const TrackedMotion& failed, StageObserver& observer);
   OdometryEstimate toEstimate(const PreparedPair& pair, const TrackedMotion& motion) const;
@@ -131,18 +130,21 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Integ
       track_ ? 1e-9 * static_cast<double>(pair.left_exposure_ns - track_->lastExposure()) : 0.0;
   pair.evidence.no_track = step <= 0.0;
   pair.evidence.late = step > settings_.validity.maximum_time_step;
-  const bool starts = integrity.update(pair.evidence) == IntegrityAction::start_epoch;
-  if (!track_) return startTrack(pair, OdometryReason::first_pair, observer);
-  if (starts) return startEpoch(pair, OdometryReason::time_step, observer);
-  pair.state = integrity.state();
-  TrackedMotion motion = track_->process(pair, observer);
-  IntegrityAction action = integrity.update(motion.evidence);
-  if (action == IntegrityAction::wait) return wait(pair, motion, observer);
-  if (action == IntegrityAction::relocalise) action = tryRelocalise(pair, integrity, motion, observer);
-  if (action == IntegrityAction::reject) return reject(pair, OdometryReason::repeated_picture);
-  if (action == IntegrityAction::relocalise) return handleLoss(pair, motion, observer);
-  if (action == IntegrityAction::start_epoch)
-    return startEpoch(pair, OdometryReason::repeated_picture, observer);
+  TrackedMotion motion;
+  switch (observe(pair, integrity, motion, observer)) {
+    case IntegrityAction::start_epoch:
+      endEpoch();
+      return startTrack(pair, motion.reason, observer);
+    case IntegrityAction::reject:
+      return reject(pair, motion.reason);
+    case IntegrityAction::wait:
+      return wait(pair, motion, observer);
+    case IntegrityAction::relocalise:
+      return handleLoss(pair, motion, observer);
+    case IntegrityAction::measure:
+    case IntegrityAction::publish:
+      break;
+  }
   candidate_track_.reset();
   lost_pairs_ = 0;
   epoch_has_motion_ = true;
@@ -150,20 +152,33 @@ OdometryEstimate ReprojectionOdometry::process(const StereoImages& images, Integ
   return toEstimate(pair, motion);
 }
 
-/// Continues the candidate track, if there is one, at a pair that the running track has lost. If its motion
-/// is to be published, it has replaced the running track, and `motion` is its motion.
-IntegrityAction ReprojectionOdometry::tryRelocalise(PreparedPair pair, IntegrityMonitor& integrity,
-                                                    TrackedMotion& motion, StageObserver& observer) {
+/// Asks the table of the integrity, with more evidence each time, until it decides on the pair: before the
+/// pair is tracked; by the running track; and, if that has lost the pair, by the candidate track, if there is
+/// one. `motion` has the reason, or is the motion to be published, of the candidate if that has replaced the
+/// running track.
+IntegrityAction ReprojectionOdometry::observe(PreparedPair& pair, IntegrityMonitor& integrity,
+                                              TrackedMotion& motion, StageObserver& observer) {
+  IntegrityAction action = integrity.update(pair.evidence);
+  motion.reason = track_ ? OdometryReason::time_step : OdometryReason::first_pair;
+  if (action != IntegrityAction::measure) return action;
   pair.state = integrity.state();
-  pair.evidence.by_candidate = true;
-  TrackedMotion candidate_motion;
-  candidate_motion.evidence = pair.evidence;
-  candidate_motion.evidence.lost = true;
-  if (candidate_track_) candidate_motion = candidate_track_->process(pair, observer);
-  const IntegrityAction action = integrity.update(candidate_motion.evidence);
-  if (action != IntegrityAction::publish) return action;
-  useCandidate();
-  motion = candidate_motion;
+  motion = track_->process(pair, observer);
+  action = integrity.update(motion.evidence);
+  if (action == IntegrityAction::relocalise) {
+    pair.state = integrity.state();
+    pair.evidence.by_candidate = true;
+    TrackedMotion candidate_motion;
+    candidate_motion.evidence = pair.evidence;
+    candidate_motion.evidence.lost = true;
+    if (candidate_track_) candidate_motion = candidate_track_->process(pair, observer);
+    action = integrity.update(candidate_motion.evidence);
+    if (action == IntegrityAction::publish) {
+      useCandidate();
+      motion = candidate_motion;
+    }
+  }
+  if (action == IntegrityAction::reject || action == IntegrityAction::start_epoch)
+    motion.reason = OdometryReason::repeated_picture;
   return action;
 }
 
@@ -209,7 +224,7 @@ LearntByTracks ReprojectionOdometry::latestLearnt() const {
   return learnt;
 }
 
-/// Starts the running track anew at the pair, within the epoch.
+/// Starts the running track anew at the pair.
 OdometryEstimate ReprojectionOdometry::startTrack(const PreparedPair& pair, OdometryReason reason,
                                                   StageObserver& observer) {
   track_.emplace(camera_, settings_, timing_, pair, latestLearnt(), pitch_reinitialiser_, observer);
@@ -227,13 +242,6 @@ OdometryEstimate ReprojectionOdometry::startTrack(const PreparedPair& pair, Odom
 void ReprojectionOdometry::endEpoch() {
   if (epoch_has_motion_) ++epoch_;
   epoch_has_motion_ = false;
-}
-
-/// Starts a new epoch, and its track, at the pair.
-OdometryEstimate ReprojectionOdometry::startEpoch(const PreparedPair& pair, OdometryReason reason,
-                                                  StageObserver& observer) {
-  endEpoch();
-  return startTrack(pair, reason, observer);
 }
 
 /// Keeps the track at a pair with an ambiguous motion. A track without a motion starts anew at the pair: in a

@@ -72,11 +72,7 @@ std::string inSeconds(double nanoseconds) {
 }  // namespace
 
 void setTimestamp(EncodedUnit& unit, const ExposureTimestamp& timestamp) {
-  unit.exposure_ns = timestamp.exposure_ns;
-  unit.exposure_stddev_ns = timestamp.stddev_ns;
-  unit.slew_ns = timestamp.slew_ns;
-  unit.min_delay_arrival_ns = timestamp.min_delay_arrival_ns;
-  unit.instant_source = timestamp.source;
+  static_cast<ExposureInstant&>(unit) = timestamp;
   if (!timestamp.is_usable) unit.status = FrameStatus::damaged;
 }
 
@@ -106,10 +102,10 @@ ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps
   for (const Side& camera : sides_)
     if (camera.connected && !camera.clock.pace().isSettled()) stddev = std::max(stddev, kUnsettledStddev_ns);
   timestamp.exposure_ns = side.last_exposure_ns.value_or(timestamps.arrival_ns);
-  timestamp.stddev_ns = std::llround(stddev / std::sqrt(2.0));
+  timestamp.exposure_stddev_ns = std::llround(stddev / std::sqrt(2.0));
   timestamp.min_delay_arrival_ns = side.clock.minDelayArrivalNs();
   timestamp.slew_ns = side.slew_ns;
-  timestamp.source = source_;
+  timestamp.instant_source = source_;
   return timestamp;
 }
 

@@ -25,12 +25,7 @@ enum class ClockChoice : std::uint8_t {
 };
 
 /// The time stamps assigned to one picture.
-struct ExposureTimestamp {
-  std::int64_t exposure_ns = 0;           ///< host's clock, ns since the Unix epoch
-  std::int64_t stddev_ns = 0;             ///< of one camera's exposure: 1/sqrt(2) of that of right minus left
-  std::int64_t min_delay_arrival_ns = 0;  ///< arrival at the least network delay
-  std::int64_t slew_ns = 0;               ///< as Frame's
-  InstantSource source = InstantSource::arrival;
+struct ExposureTimestamp : ExposureInstant {
   bool is_usable = true;  ///< false: the RTP time cannot be, and the instants are no picture's
 };
 

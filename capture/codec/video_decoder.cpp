@@ -33,15 +33,7 @@ std::shared_ptr<AVFrame> makeFrame() {
 }  // namespace
 
 /// Attributes of a unit in the decoder, for its frame.
-struct VideoDecoder::Pending {
-  std::int64_t exposure_ns = 0;
-  std::int64_t exposure_stddev_ns = 0;
-  std::int64_t slew_ns = 0;
-  std::int64_t min_delay_arrival_ns = 0;
-  std::int64_t arrival_ns = 0;
-  std::uint64_t sequence = 0;
-  std::uint64_t order = 0;
-  InstantSource instant_source = InstantSource::arrival;
+struct VideoDecoder::Pending : FrameTimestamps {
   FrameStatus status = FrameStatus::good;
   bool is_refreshed = false;  ///< no earlier damage affects it
 };
@@ -160,9 +152,7 @@ void VideoDecoder::send(const EncodedUnit& unit) {
   if (unit.key) self.restartAtKeyPicture(unit);
   const PictureRefresh refresh = self.refreshes.inspect(splitNalUnits(self.format.codec, unit.data));
   if (unit.status == FrameStatus::damaged) self.saw_damage = true;
-  self.pending.push_back({unit.exposure_ns, unit.exposure_stddev_ns, unit.slew_ns, unit.min_delay_arrival_ns,
-                          unit.arrival_ns, unit.sequence, unit.order, unit.instant_source, unit.status,
-                          refresh.is_complete});
+  self.pending.push_back({unit, unit.status, refresh.is_complete});
   if (self.pending.size() > kMaxPending) self.pending.pop_front();
 
   // Not reference-counted, so FFmpeg copies the data with the required padding.
@@ -215,15 +205,8 @@ std::optional<Frame> VideoDecoder::receive() {
     const bool failed = is_corrupt || picture->decode_error_flags != 0;
     Frame frame;
     frame.image = luma;
-    frame.exposure_ns = pending.exposure_ns;
-    frame.exposure_stddev_ns = pending.exposure_stddev_ns;
-    frame.slew_ns = pending.slew_ns;
-    frame.min_delay_arrival_ns = pending.min_delay_arrival_ns;
-    frame.arrival_ns = pending.arrival_ns;
+    static_cast<FrameTimestamps&>(frame) = pending;
     frame.decoded_ns = hostNow();
-    frame.sequence = pending.sequence;
-    frame.order = pending.order;
-    frame.instant_source = pending.instant_source;
     frame.status = updateDamage(pending, failed) ? FrameStatus::damaged : FrameStatus::good;
     frame.key_frame = picture->pict_type == AV_PICTURE_TYPE_I;
     frame.storage = picture;

@@ -176,6 +176,7 @@ ReadOutcome ImageSequenceSource::read(Frame& frame, std::chrono::milliseconds /*
   read.arrival_ns = read.exposure_ns;
   read.decoded_ns = read.exposure_ns;
   read.sequence = index;
+  read.instant_source = InstantSource::file;
   frame = std::move(read);
   ++next_;
   return ReadOutcome::frame;

@@ -14,21 +14,14 @@
 
 namespace cartvo::capture {
 
-/// Index entry of one picture. Instants are those of EncodedUnit.
-struct IndexRow {
+/// Index entry of one picture, without slew_ns and decoded_ns.
+struct IndexRow : FrameTimestamps {
   std::uint64_t number = 0;      ///< counts the file's pictures from 0
   std::int64_t time_ms = 0;      ///< time stamp in the video file; matches the row to its picture
-  std::uint64_t order = 0;       ///< counts both cameras' pictures from 1, in order of arrival
   std::uint64_t connection = 0;  ///< counts the camera's connections from 1
-  std::uint64_t sequence = 0;
   std::int64_t pts = 0;
   std::optional<std::int64_t> reference_us;
   std::int64_t first_arrival_ns = 0;
-  std::int64_t arrival_ns = 0;
-  std::int64_t min_delay_arrival_ns = 0;
-  std::int64_t exposure_ns = 0;
-  std::int64_t exposure_stddev_ns = 0;
-  InstantSource instant_source = InstantSource::arrival;
   std::uint64_t size = 0;      ///< as received, bytes
   std::uint32_t checksum = 0;  ///< of the picture (pictureChecksum)
   bool key = false;

@@ -100,16 +100,10 @@ struct DamageCount {
 
 EncodedUnit toEncodedUnit(const IndexRow& row) {
   EncodedUnit unit;
+  static_cast<FrameTimestamps&>(unit) = row;
   unit.pts = row.pts;
-  unit.exposure_ns = row.exposure_ns;
-  unit.exposure_stddev_ns = row.exposure_stddev_ns;
-  unit.min_delay_arrival_ns = row.min_delay_arrival_ns;
   unit.first_arrival_ns = row.first_arrival_ns;
-  unit.arrival_ns = row.arrival_ns;
   unit.reference_us = row.reference_us;
-  unit.sequence = row.sequence;
-  unit.order = row.order;
-  unit.instant_source = row.instant_source;
   unit.status = row.status;
   unit.data_lost = row.data_lost;
   unit.key = row.key;

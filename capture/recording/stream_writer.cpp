@@ -82,19 +82,13 @@ void StreamWriter::write(const EncodedUnit& unit, const StreamFormat& format, st
   last_connection_ = connection;
 
   IndexRow row;
+  static_cast<FrameTimestamps&>(row) = unit;
   row.number = units_;
   row.time_ms = nextFileTimeMs(unit);
-  row.order = unit.order;
   row.connection = connection;
-  row.sequence = unit.sequence;
   row.pts = unit.pts;
   row.reference_us = unit.reference_us;
   row.first_arrival_ns = unit.first_arrival_ns;
-  row.arrival_ns = unit.arrival_ns;
-  row.min_delay_arrival_ns = unit.min_delay_arrival_ns;
-  row.exposure_ns = unit.exposure_ns;
-  row.exposure_stddev_ns = unit.exposure_stddev_ns;
-  row.instant_source = unit.instant_source;
   row.size = unit.data.size();
   row.checksum = pictureChecksum(codec_, unit.data);
   row.key = unit.key;

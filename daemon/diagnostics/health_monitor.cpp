@@ -34,57 +34,10 @@ std::string shortened(const std::string& text) {
   return std::string(utf8Prefix(text, kMaxTextSize));
 }
 
-std::int8_t stateCode(capture::CameraState state) {
-  switch (state) {
-    case capture::CameraState::connecting:
-      return camera_health_t::CONNECTING;
-    case capture::CameraState::streaming:
-      return camera_health_t::STREAMING;
-    case capture::CameraState::stalled:
-      return camera_health_t::STALLED;
-    case capture::CameraState::refused:
-      return camera_health_t::REFUSED;
-    case capture::CameraState::ended:
-      return camera_health_t::ENDED;
-    case capture::CameraState::frozen:
-      return camera_health_t::FROZEN;
-  }
-  return camera_health_t::CONNECTING;
-}
-
-std::int8_t sourceCode(capture::InstantSource source) {
-  switch (source) {
-    case capture::InstantSource::file:
-      return camera_health_t::FILE_INSTANTS;
-    case capture::InstantSource::sender_report:
-      return camera_health_t::SENDER_REPORT;
-    case capture::InstantSource::arrival:
-      return camera_health_t::ARRIVAL;
-    case capture::InstantSource::pictures:
-      return camera_health_t::PICTURES;
-    case capture::InstantSource::kernel:
-      return camera_health_t::KERNEL;
-  }
-  return camera_health_t::ARRIVAL;
-}
-
-std::int8_t stateCode(vo::IntegrityState state) {
-  switch (state) {
-    case vo::IntegrityState::tracking:
-      return health_t::TRACKING;
-    case vo::IntegrityState::standstill:
-      return health_t::STANDSTILL;
-    case vo::IntegrityState::left_frozen:
-      return health_t::LEFT_FROZEN;
-    case vo::IntegrityState::right_frozen:
-      return health_t::RIGHT_FROZEN;
-    case vo::IntegrityState::both_frozen:
-      return health_t::BOTH_FROZEN;
-    case vo::IntegrityState::lost:
-      return health_t::LOST;
-  }
-  return health_t::LOST;
-}
+// The enumerations have the values of the messages' constants.
+static_assert(static_cast<int>(capture::CameraState::frozen) == camera_health_t::FROZEN);
+static_assert(static_cast<int>(capture::InstantSource::kernel) == camera_health_t::KERNEL);
+static_assert(static_cast<int>(vo::IntegrityState::lost) == health_t::LOST);
 
 /// NaN if unknown.
 float milliseconds(const std::optional<double>& nanoseconds) {
@@ -94,8 +47,8 @@ float milliseconds(const std::optional<double>& nanoseconds) {
 camera_health_t cameraMessage(const capture::CameraHealth& health, const capture::ClockStatus::Camera& clock,
                               double frame_rate, double decode_ms) {
   camera_health_t message{};
-  message.state = stateCode(health.state);
-  message.instant_source = sourceCode(health.instant_source);
+  message.state = static_cast<std::int8_t>(health.state);
+  message.instant_source = static_cast<std::int8_t>(health.instant_source);
   message.frames = static_cast<std::int64_t>(health.frames);
   message.damaged = static_cast<std::int64_t>(health.damaged);
   message.reconnections = static_cast<std::int64_t>(health.reconnections);
@@ -171,7 +124,7 @@ void setSelfCheck(health_t& message, const SelfCheck& check) {
   message.self_check = shortened(check.message());
 }
 
-double decodeMilliseconds(const pipeline::FrameInstants& frame) {
+double decodeMilliseconds(const capture::FrameTimestamps& frame) {
   return static_cast<double>(frame.decoded_ns - frame.arrival_ns) * 1e-6;
 }
 
@@ -217,7 +170,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   setCounts(message, snapshot.counts);
   message.estimates_valid = valid_;
   message.estimates_invalid = invalid_;
-  message.odometry_state = stateCode(window_.state);
+  message.odometry_state = static_cast<std::int8_t>(window_.state);
   if (window_.worst) message.bound_exceeded = shortened(window_.worst->text());
   message.pair_rate = static_cast<float>(rate(snapshot.counts.pairs, last_pairs_));
   message.offset_ms = static_cast<float>(percentile(window_.offset, 0.5));

@@ -79,23 +79,8 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
 }
 
 std::string SelfCheck::stereoFaultMessage() const {
-  switch (stereo_fault_) {
-    case vo::StereoFault::none:
-    case vo::StereoFault::suspected:
-      return {};
-    case vo::StereoFault::same_picture:
-      return "both cameras give the same picture: check that cameras.left.url and cameras.right.url are the "
-             "addresses of two cameras";
-    case vo::StereoFault::swapped:
-      return "the left and the right picture are exchanged, or from one camera: check cameras.left.url and "
-             "cameras.right.url";
-    case vo::StereoFault::misaligned:
-      return "the pictures do not fit the rig file: check that it is the file of these two cameras; if a "
-             "camera was turned, calibrate again";
-    case vo::StereoFault::period_offset:
-      return "the pictures of a pair were taken a frame or more apart, unlike their timestamps: check both "
-             "cameras' clocks and frame rates";
-  }
+  for (const vo::StereoFaultText& text : vo::kStereoFaults)
+    if (text.fault == stereo_fault_) return text.sentence;
   return {};
 }
 

@@ -17,42 +17,6 @@ namespace {
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Bit of the message for one reason; 0 if there is none. The switch has no default, so that the compiler
-/// reports a missing reason.
-constexpr std::int32_t messageBit(vo::OdometryReason reason) {
-  switch (reason) {
-    case vo::OdometryReason::none:
-      return 0;
-    case vo::OdometryReason::first_pair:
-      return odometry_t::REASON_FIRST_PAIR;
-    case vo::OdometryReason::too_few_features:
-      return odometry_t::REASON_TOO_FEW_FEATURES;
-    case vo::OdometryReason::too_few_matches:
-      return odometry_t::REASON_TOO_FEW_MATCHES;
-    case vo::OdometryReason::too_few_inliers:
-      return odometry_t::REASON_TOO_FEW_INLIERS;
-    case vo::OdometryReason::high_residual:
-      return odometry_t::REASON_HIGH_RESIDUAL;
-    case vo::OdometryReason::time_step:
-      return odometry_t::REASON_TIME_STEP;
-    case vo::OdometryReason::implausible_motion:
-      return odometry_t::REASON_IMPLAUSIBLE_MOTION;
-    case vo::OdometryReason::degenerate_geometry:
-      return odometry_t::REASON_DEGENERATE_GEOMETRY;
-    case vo::OdometryReason::offset_uncertain:
-      return odometry_t::REASON_OFFSET_UNCERTAIN;
-    case vo::OdometryReason::repeated_picture:
-      return odometry_t::REASON_REPEATED_PICTURE;
-    case vo::OdometryReason::offset_too_large:
-      return odometry_t::REASON_OFFSET_TOO_LARGE;
-    case vo::OdometryReason::wrong_stereo_geometry:
-      return odometry_t::REASON_WRONG_STEREO_GEOMETRY;
-    case vo::OdometryReason::zero_velocity:
-      return odometry_t::REASON_ZERO_VELOCITY;
-  }
-  return 0;
-}
-
 void setPose(odometry_t& message, const Eigen::Isometry3d& T_world_body) {
   Eigen::Quaterniond q(T_world_body.rotation());
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
@@ -116,22 +80,13 @@ std::int32_t noPairBits(pipeline::NoPairCause cause) {
 
 }  // namespace
 
-std::int32_t reasonBits(const vo::OdometryReasons& reasons) {
-  std::int32_t bits = 0;
-  for (int i = 0; i < vo::kOdometryReasonCount; ++i) {
-    const auto reason = static_cast<vo::OdometryReason>(i);
-    if (reasons.has(reason)) bits |= messageBit(reason);
-  }
-  return bits;
-}
-
 odometry_t odometryMessage(const pipeline::PairResult& result) {
   const vo::OdometryEstimate& estimate = result.estimate;
   odometry_t message{};
   message.utime = result.left.exposure_ns / kNanosecondsPerMicrosecond;
   message.arrival_utime = result.arrival_ns() / kNanosecondsPerMicrosecond;
   message.offset_us = result.offset_ns() / kNanosecondsPerMicrosecond;
-  message.reasons = reasonBits(estimate.reasons);
+  message.reasons = static_cast<std::int32_t>(estimate.reasons.bits());
   message.reset_counter = static_cast<std::int32_t>(estimate.reset_counter);
   message.features = estimate.counts.detected;
   message.tracked = estimate.counts.tracked;

@@ -15,9 +15,6 @@ class LCM;
 
 namespace cartvo::daemon {
 
-/// Maps the odometry's reasons to the bits of odometry_t.reasons.
-std::int32_t reasonBits(const vo::OdometryReasons& reasons);
-
 /// Builds the message for one pair, with the source id of a replay. daemon/messages/odometry_t.lcm defines
 /// the content of an invalid one.
 odometry_t odometryMessage(const pipeline::PairResult& result);

@@ -90,7 +90,7 @@ py::list partsOf(const std::string& names) {
 }
 
 py::list reasonList(const vo::OdometryReasons& reasons) {
-  return partsOf(daemon::reasonNames(daemon::reasonBits(reasons)));
+  return partsOf(daemon::reasonNames(static_cast<std::int32_t>(reasons.bits())));
 }
 
 void bindEstimate(py::module_& module) {

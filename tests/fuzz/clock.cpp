@@ -92,7 +92,7 @@ class Cameras {
     if (words >> report_us && !__builtin_add_overflow(now_ns_ / 1000, report_us, &report_us))
       timestamps.reference_us = report_us;
     const capture::ExposureTimestamp instant = timestamper_.stamp(side, timestamps);
-    fuzz::require(instant.stddev_ns >= 0, "a standard deviation is not negative");
+    fuzz::require(instant.exposure_stddev_ns >= 0, "a standard deviation is not negative");
     if (!instant.is_usable) return;
     const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(camera.pts) - camera.usable_ticks);
     camera.usable_ticks = static_cast<std::uint32_t>(camera.pts);

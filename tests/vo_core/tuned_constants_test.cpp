@@ -1,4 +1,4 @@
-// Tests of the list of tuned constants.
+// Tests of the lists of tuned constants.
 #include "vo_core/tuned_constants.hpp"
 
 #include <set>
@@ -6,6 +6,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "vo_core/fixed_constants.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -53,9 +55,19 @@ TEST(TunedConstants, AreValidated) {
   }
 }
 
-// A new constant takes the place of another one, or raises this limit with a reason.
+TEST(FixedConstants, HaveDistinctNamesAndSources) {
+  std::set<std::string> names;
+  for (const FixedConstant& constant : kFixedConstants) {
+    EXPECT_TRUE(names.insert(constant.name).second) << constant.name;
+    EXPECT_GT(std::string(constant.source).size(), 5u) << constant.name;
+    EXPECT_GT(constant.value, 0.0) << constant.name;
+  }
+}
+
+// Both numbers may only fall: a new constant takes the place of another one.
 TEST(TunedConstants, DoNotBecomeMore) {
   EXPECT_LE(tunedConstants().size(), 74u);
+  EXPECT_LE(kFixedConstants.size(), 71u);
 }
 
 }  // namespace

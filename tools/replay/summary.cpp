@@ -3,9 +3,7 @@
 #include "tools/replay/summary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core/version.hpp>
@@ -20,91 +18,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* reasonName(vo::OdometryReason reason) {
-  switch (reason) {
-    case vo::OdometryReason::none:
-      return "none";
-    case vo::OdometryReason::first_pair:
-      return "first_pair";
-    case vo::OdometryReason::too_few_features:
-      return "too_few_features";
-    case vo::OdometryReason::too_few_matches:
-      return "too_few_matches";
-    case vo::OdometryReason::too_few_inliers:
-      return "too_few_inliers";
-    case vo::OdometryReason::high_residual:
-      return "high_residual";
-    case vo::OdometryReason::time_step:
-      return "time_step";
-    case vo::OdometryReason::implausible_motion:
-      return "implausible_motion";
-    case vo::OdometryReason::degenerate_geometry:
-      return "degenerate_geometry";
-    case vo::OdometryReason::offset_uncertain:
-      return "offset_uncertain";
-    case vo::OdometryReason::repeated_picture:
-      return "repeated_picture";
-    case vo::OdometryReason::offset_too_large:
-      return "offset_too_large";
-    case vo::OdometryReason::wrong_stereo_geometry:
-      return "wrong_stereo_geometry";
-    case vo::OdometryReason::zero_velocity:
-      return "zero_velocity";
-  }
-  return "unknown";
-}
-
-constexpr std::array<std::pair<vo::StereoFault, const char*>, 4> kNamedFaults{{
-    {vo::StereoFault::same_picture, "same_picture"},
-    {vo::StereoFault::swapped, "swapped"},
-    {vo::StereoFault::misaligned, "misaligned"},
-    {vo::StereoFault::period_offset, "period_offset"},
-}};
-
-/// Likely cause of pairs that are invalid for a reason, as advice.
-const char* reasonAdvice(vo::OdometryReason reason) {
-  switch (reason) {
-    case vo::OdometryReason::too_few_features:
-      return "the images show too little texture, or are nearly black or white";
-    case vo::OdometryReason::too_few_matches:
-    case vo::OdometryReason::wrong_stereo_geometry:
-      return "left and right do not fit to each other by this rig: is it the rig of these images, are left "
-             "and "
-             "right exchanged?";
-    case vo::OdometryReason::time_step:
-      return "the instants of the pairs are too far apart for odometry, or do not increase";
-    case vo::OdometryReason::offset_uncertain:
-      return "the time offset of the cameras is not known well enough";
-    case vo::OdometryReason::offset_too_large:
-      return "the exposures of left and right are too far apart";
-    case vo::OdometryReason::repeated_picture:
-      return "the same images are repeated";
-    case vo::OdometryReason::too_few_inliers:
-    case vo::OdometryReason::high_residual:
-    case vo::OdometryReason::implausible_motion:
-    case vo::OdometryReason::degenerate_geometry:
-      return "no motion explains the images: are the images in order, and is it their rig?";
-    default:
-      return "there is no motion to measure in a single pair";
-  }
-}
-
-/// In invalid_by_reason, beside the names of the odometry's own reasons.
-constexpr const char* kBoundName = "bound";
-
-bool exceedsAlertLimit(const ReplayedPair& pair) {
-  return (pair.message.reasons & odometry_t::REASON_BOUND) != 0;
+/// The reasons of a pair, or that a bound exceeds its alert limit.
+vo::OdometryReasons reasonsOf(const ReplayedPair& pair) {
+  if ((pair.message.reasons & odometry_t::REASON_BOUND) != 0) return vo::OdometryReason::bound;
+  return pair.reasons;
 }
 
 /// Gross faults of the rig that were named, each with its first pair and the number of its pairs.
 Json stereoFaultsJson(const Replay& replay) {
   Json faults = Json::object();
-  for (const auto& [fault, name] : kNamedFaults) {
-    const auto has_fault = [fault = fault](const ReplayedPair& pair) { return pair.stereo_fault == fault; };
+  for (const vo::StereoFaultText& text : vo::kStereoFaults) {
+    const auto has_fault = [&](const ReplayedPair& pair) { return pair.stereo_fault == text.fault; };
     const auto first = std::find_if(replay.pairs.begin(), replay.pairs.end(), has_fault);
     if (first == replay.pairs.end()) continue;
-    faults[name] = {{"first_pair", first - replay.pairs.begin()},
-                    {"pairs", std::count_if(first, replay.pairs.end(), has_fault)}};
+    faults[text.name] = {{"first_pair", first - replay.pairs.begin()},
+                         {"pairs", std::count_if(first, replay.pairs.end(), has_fault)}};
   }
   return faults;
 }
@@ -136,16 +64,8 @@ Json pairsJson(const Replay& replay) {
     const ReplayedPair& pair = replay.pairs[index];
     if (pair.valid) continue;
     invalid.push_back(index);
-    if (exceedsAlertLimit(pair)) {
-      by_reason[kBoundName] = by_reason.value(kBoundName, 0) + 1;
-      continue;
-    }
-    for (int i = 0; i < vo::kOdometryReasonCount; ++i) {
-      const auto reason = static_cast<vo::OdometryReason>(i);
-      if (!pair.reasons.has(reason)) continue;
-      const std::string name = reasonName(reason);
-      by_reason[name] = by_reason.value(name, 0) + 1;
-    }
+    for (const vo::OdometryReasonText& text : vo::kOdometryReasons)
+      if (reasonsOf(pair).has(text.reason)) by_reason[text.name] = by_reason.value(text.name, 0) + 1;
   }
   Json json;
   json["pairs"] = replay.pairs.size();
@@ -273,27 +193,23 @@ Json bodyFromCameraJson(const calib::Rig& rig) {
 }  // namespace
 
 std::string nothingValidText(const Replay& replay) {
-  std::array<std::size_t, vo::kOdometryReasonCount> counts{};
-  std::size_t above_limit = 0;
-  for (const ReplayedPair& pair : replay.pairs) {
+  for (const ReplayedPair& pair : replay.pairs)
     if (pair.valid) return {};
-    if (exceedsAlertLimit(pair)) ++above_limit;
-    for (std::size_t i = 0; i < counts.size(); ++i)
-      counts[i] += pair.reasons.has(static_cast<vo::OdometryReason>(i)) ? 1U : 0U;
+  const auto pairsWith = [&](vo::OdometryReason reason) {
+    return std::count_if(replay.pairs.begin(), replay.pairs.end(),
+                         [&](const ReplayedPair& pair) { return reasonsOf(pair).has(reason); });
+  };
+  // The first pair of each epoch is invalid for whatever reason made the epoch begin: its reason counts
+  // least.
+  const vo::OdometryReasonText* most = &vo::kOdometryReasons.front();
+  for (const vo::OdometryReasonText& text : vo::kOdometryReasons) {
+    const auto pairs = pairsWith(text.reason);
+    const auto most_pairs = most->reason == vo::OdometryReason::first_pair ? 0 : pairsWith(most->reason);
+    const bool bound_wins = text.reason == vo::OdometryReason::bound && pairs == most_pairs;
+    if (pairs > most_pairs || (bound_wins && pairs > 0)) most = &text;
   }
-  // The first pair of each epoch is invalid for whatever reason made the epoch begin.
-  std::size_t most = static_cast<std::size_t>(vo::OdometryReason::first_pair);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (i != static_cast<std::size_t>(vo::OdometryReason::first_pair) && counts[i] > 0 &&
-        (most == static_cast<std::size_t>(vo::OdometryReason::first_pair) || counts[i] > counts[most]))
-      most = i;
-  }
-  const std::string none = "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; ";
-  if (above_limit > 0 && above_limit >= counts[most])
-    return none + kBoundName + " in " + std::to_string(above_limit) +
-           ": the motion is not known as well as --alert-limits ask; odometry.csv has the bounds";
-  const auto reason = static_cast<vo::OdometryReason>(most);
-  return none + reasonName(reason) + " in " + std::to_string(counts[most]) + ": " + reasonAdvice(reason);
+  return "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; " + most->name + " in " +
+         std::to_string(pairsWith(most->reason)) + ": " + most->advice;
 }
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {

@@ -4,29 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/fixed_constants.hpp"
+
 namespace cartvo::vo {
 namespace {
 
 using Axes = Eigen::Array<double, 6, 1>;
 
-// Variance of a pose relative to that of a motion with independent pose errors: a motion has the errors of
-// two.
-constexpr double kPoseVariance = 0.5;
 constexpr std::array<Eigen::Index, 2> kSmoothAxes{2, 4};  // forwards and yaw
-constexpr double kInitialBiasStddev = 2.0;                // of b, in standard deviations of a motion
-constexpr double kMinimumBiasStddev = 0.2;                // of b, in standard deviations of a motion
-constexpr double kBiasMemory = 0.8;                       // from key frame to key frame, without noise
-constexpr int kRoughnessMemory = 20;                      // pairs
-constexpr int kMinimumRoughPairs = 5;                     // pairs
-constexpr double kInnovationGate = 3.0;                   // standard deviations
-constexpr double kMaximumInflation = 30.0;                // larger errors have other causes
-constexpr double kMaximumStepRatio = 3.5;                 // of consecutive time steps
 constexpr double kMinimumVariance = 1e-14;                // m^2 and rad^2
 
 }  // namespace
 
 CodecErrorModel::BiasEstimate CodecErrorModel::initialBias() {
-  return {Vector6d::Zero(), Vector6d::Constant(kInitialBiasStddev * kInitialBiasStddev)};
+  return {Vector6d::Zero(),
+          Vector6d::Constant(codec_errors::kInitialBiasStddev * codec_errors::kInitialBiasStddev)};
 }
 
 std::optional<PoseShift> CodecErrorModel::restart(KeyFrames pair) {
@@ -41,7 +33,8 @@ std::optional<PoseShift> CodecErrorModel::restart(KeyFrames pair) {
 
 std::optional<PoseShift> CodecErrorModel::update(KeyFrames pair, const MeasuredMotion& measured) {
   const KeyFrames before = history_.back().key_frames;
-  if (std::max(measured.time_step, time_step_) > kMaximumStepRatio * std::min(measured.time_step, time_step_))
+  if (std::max(measured.time_step, time_step_) >
+      codec_errors::kMaximumStepRatio * std::min(measured.time_step, time_step_))
     restart(before);
   time_step_ = measured.time_step;
   if (history_.size() == kPairs) {
@@ -94,28 +87,28 @@ void CodecErrorModel::updateEstimates() {
     sensitivities[classOf(entry.key_frames)] += off_cubic[i] * entry.sensitivity;
   }
   if (!has_key_frame) return updateRoughness(innovation);
-  if (history_[kPairs / 2].key_frames.any() && rough_pairs_ >= kMinimumRoughPairs)
+  if (history_[kPairs / 2].key_frames.any() && rough_pairs_ >= codec_errors::kMinimumRoughPairs)
     updateBias(innovation, sensitivities);
 }
 
 void CodecErrorModel::updateRoughness(const Vector6d& innovation) {
   Axes square = innovation.array().square();
-  if (rough_pairs_ >= kMinimumRoughPairs)
-    square = square.min(kInnovationGate * kInnovationGate * roughness_.array());
+  if (rough_pairs_ >= codec_errors::kMinimumRoughPairs)
+    square = square.min(codec_errors::kInnovationGate * codec_errors::kInnovationGate * roughness_.array());
   Vector6d predicted = Vector6d::Zero();
   for (std::size_t i = 1; i < kPairs; ++i)
-    predicted += kPoseVariance / (kPairs - 1) * history_[i].measured.stddev.cwiseAbs2();
-  rough_pairs_ = std::min(rough_pairs_ + 1, kRoughnessMemory);
+    predicted += codec_errors::kPoseVariance / (kPairs - 1) * history_[i].measured.stddev.cwiseAbs2();
+  rough_pairs_ = std::min(rough_pairs_ + 1, codec_errors::kRoughnessMemory);
   roughness_ += (square.matrix() - roughness_) / rough_pairs_;
   predicted_roughness_ += (predicted - predicted_roughness_) / rough_pairs_;
 }
 
 double CodecErrorModel::poseNoiseInflation() const {
-  if (rough_pairs_ < kMinimumRoughPairs) return 1.0;
+  if (rough_pairs_ < codec_errors::kMinimumRoughPairs) return 1.0;
   double sum = 0.0;
   for (const Eigen::Index axis : kSmoothAxes)
     sum += roughness_[axis] / (predicted_roughness_[axis] + kMinimumVariance);
-  return std::clamp(sum / kSmoothAxes.size(), 1.0, kMaximumInflation);
+  return std::clamp(sum / kSmoothAxes.size(), 1.0, codec_errors::kMaximumInflation);
 }
 
 /// `sensitivities`: d(innovation)/d(b) for each class.
@@ -130,16 +123,16 @@ void CodecErrorModel::updateBias(const Vector6d& innovation, const Sensitivities
   BiasEstimate& bias = biases_[middle];
   const Axes sensitivity = sensitivities[middle].array();
   const Axes by_shift = sensitivity.square() * bias.variance.array();
-  const Axes limit = kInnovationGate * (by_shift + noise).sqrt();
+  const Axes limit = codec_errors::kInnovationGate * (by_shift + noise).sqrt();
   residual = residual.min(limit).max(-limit);
   // Share of the innovation that the shift causes. No division by the sensitivity, which may be zero.
   const Axes share = by_shift / (by_shift + noise);
-  const Axes by_innovation = (1.0 - kBiasMemory) * bias.variance.array() / (by_shift + noise);
+  const Axes by_innovation = (1.0 - codec_errors::kBiasMemory) * bias.variance.array() / (by_shift + noise);
   bias.mean += (by_innovation * sensitivity * residual).matrix();
-  bias.variance +=
-      (by_innovation * (residual.square() - noise) - (1.0 - kBiasMemory) * share * bias.variance.array())
-          .matrix();
-  bias.variance = bias.variance.cwiseMax(kMinimumBiasStddev * kMinimumBiasStddev);
+  bias.variance += (by_innovation * (residual.square() - noise) -
+                    (1.0 - codec_errors::kBiasMemory) * share * bias.variance.array())
+                       .matrix();
+  bias.variance = bias.variance.cwiseMax(codec_errors::kMinimumBiasStddev * codec_errors::kMinimumBiasStddev);
 }
 
 }  // namespace cartvo::vo

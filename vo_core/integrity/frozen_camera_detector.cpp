@@ -4,26 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/fixed_constants.hpp"
+
 namespace cartvo::vo {
-namespace {
-
-// Factor on the standstill limits of the left camera: a pose by right positions and depths has the noise of
-// both. On rendered standstills, lossless and at 2 Mbit/s, it varied by at most 1.2 mm and 0.2 mrad.
-constexpr double kLimitFactor = 3.0;
-// Minimum share of the landmarks that localised the right camera at the start. In an image of another place
-// some match by chance, all of them near the expected pose; on rendered standstills at least three quarters
-// of the left camera's landmarks match.
-constexpr double kMinimumLandmarkShare = 0.25;
-
-}  // namespace
 
 FrozenCameraDetector::Start FrozenCameraDetector::startAt(const RightDisplacement& displacement,
                                                           std::int64_t exposure_ns) const {
   StandstillSettings limits = settings_;
   // Two displacements are compared, each of which errs. In the dark that is more than the limits.
   const Vector6d noise = std::sqrt(2.0) * settings_.motion_significance * displacement.stddev;
-  limits.translation = std::max(kLimitFactor * limits.translation, noise.head<3>().norm());
-  limits.rotation = std::max(kLimitFactor * limits.rotation, noise.tail<3>().norm());
+  limits.translation = std::max(frozen_camera::kLimitFactor * limits.translation, noise.head<3>().norm());
+  limits.rotation = std::max(frozen_camera::kLimitFactor * limits.rotation, noise.tail<3>().norm());
   return {displacement, exposure_ns, limits};
 }
 
@@ -37,7 +28,7 @@ void FrozenCameraDetector::start(const RightDisplacement& displacement, std::int
 RightMotion FrozenCameraDetector::update(const std::optional<RightDisplacement>& displacement,
                                          std::int64_t exposure_ns, bool left_repeats) {
   const int landmarks = start_->displacement.landmarks;
-  if (!displacement || displacement->landmarks < kMinimumLandmarkShare * landmarks) {
+  if (!displacement || displacement->landmarks < frozen_camera::kMinimumLandmarkShare * landmarks) {
     // The cause may be glare or a bus, unless the left image repeats.
     start_->since_ns = exposure_ns;
     return left_repeats ? RightMotion::moves : RightMotion::unknown;

@@ -7,19 +7,10 @@
 #include <optional>
 
 #include "common/picture_digest.hpp"
+#include "vo_core/fixed_constants.hpp"
 
 namespace cartvo::vo {
 namespace {
-
-constexpr int kAnswers = 4;     // looks that change an answer
-constexpr int kFirstLooks = 4;  // at the first pairs, one after the other
-// ns from look to look: after all questions have had a good answer, before, and after a look that
-// contradicts, when patches and motion have changed. At 5 Hz four looks then name a fault within 5 s.
-constexpr std::int64_t kInterval = 3'000'000'000, kUnsettledInterval = 1'000'000'000;
-constexpr std::int64_t kContestedInterval = 150'000'000;
-constexpr int kFlowShare = 8;           // width over the largest motion in a period, to both sides
-constexpr int kSamePicturePairs = 20;   // unequal pairs that end the fault; a stream may skip some
-constexpr double kPeriodGrowth = 1.01;  // per pair, so that the period follows a slower camera
 
 double seconds(std::int64_t nanoseconds) {
   return 1e-9 * static_cast<double>(nanoseconds);
@@ -30,14 +21,14 @@ double seconds(std::int64_t nanoseconds) {
 void GeometryQuestion::update(Evidence evidence) {
   if (evidence == Evidence::none) {
     // Looks that cannot tell do not confirm an old contradiction.
-    if (++silent_ >= kAnswers) contradictions_ = 0;
+    if (++silent_ >= geometry_check::kAnswers) contradictions_ = 0;
     return;
   }
   silent_ = 0;
   const bool contradicts = (evidence == Evidence::wrong) != wrong_;
   settled_ = settled_ || evidence == Evidence::right;
   contradictions_ = contradicts ? contradictions_ + 1 : 0;
-  if (contradictions_ < kAnswers) return;
+  if (contradictions_ < geometry_check::kAnswers) return;
   wrong_ = !wrong_;
   contradictions_ = 0;
 }
@@ -66,7 +57,7 @@ void StereoGeometryCheck::updateSamePicture(const StereoImages& images) {
   const std::uint64_t right = images.right_digest != 0 ? images.right_digest : pictureDigest(images.right);
   const bool same = left == right || left == previous_digests_[1] || right == previous_digests_[0];
   if (same && !isUniform(images.left))
-    same_picture_pairs_ = kSamePicturePairs;
+    same_picture_pairs_ = geometry_check::kSamePicturePairs;
   else if (same_picture_pairs_ > 0)
     --same_picture_pairs_;
   previous_digests_ = {left, right};
@@ -76,7 +67,7 @@ void StereoGeometryCheck::updateSamePicture(const StereoImages& images) {
 void StereoGeometryCheck::updatePeriod(const StereoImages& images) {
   const double step =
       previous_exposure_ns_ == 0 ? 0.0 : seconds(images.left_exposure_ns - previous_exposure_ns_);
-  if (step > 0.0) period_ = period_ > 0.0 ? std::min(kPeriodGrowth * period_, step) : step;
+  if (step > 0.0) period_ = period_ > 0.0 ? std::min(geometry_check::kPeriodGrowth * period_, step) : step;
 }
 
 void StereoGeometryCheck::look(const StereoImages& images) {
@@ -92,16 +83,18 @@ void StereoGeometryCheck::look(const StereoImages& images) {
   rows_.update(seen.rows);
   order_.update(seen.order);
   lag_.update(seen.lag);
-  if (looks_ < kFirstLooks) ++looks_;
-  previous_left_ = looks_ < kFirstLooks ? left : nullptr;
+  if (looks_ < geometry_check::kFirstLooks) ++looks_;
+  previous_left_ = looks_ < geometry_check::kFirstLooks ? left : nullptr;
   interval_ns_ = nextInterval();
   last_look_ns_ = images.left_exposure_ns;
 }
 
 std::int64_t StereoGeometryCheck::nextInterval() const {
-  if (looks_ < kFirstLooks) return 0;
-  if (rows_.isContested() || order_.isContested() || lag_.isContested()) return kContestedInterval;
-  return rows_.isSettled() && order_.isSettled() && lag_.isSettled() ? kInterval : kUnsettledInterval;
+  if (looks_ < geometry_check::kFirstLooks) return 0;
+  if (rows_.isContested() || order_.isContested() || lag_.isContested())
+    return geometry_check::kContestedInterval;
+  return rows_.isSettled() && order_.isSettled() && lag_.isSettled() ? geometry_check::kInterval
+                                                                     : geometry_check::kUnsettledInterval;
 }
 
 void StereoGeometryCheck::match(const ImagePyramid& left, const ImagePyramid& right) {
@@ -117,7 +110,7 @@ void StereoGeometryCheck::match(const ImagePyramid& left, const ImagePyramid& ri
     found_.push_back(centre);
   }
   if (!previous_left_) return;
-  search_.setSearched(*previous_left_, kFlowShare);
+  search_.setSearched(*previous_left_, geometry_check::kFlowShare);
   for (std::size_t i = 0; i < found_.size(); ++i)
     if (const std::optional<Eigen::Vector2d> back = search_.find(left, found_[i]))
       matches_[i].row_flow = -back->y();

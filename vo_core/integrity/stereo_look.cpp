@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 
 namespace cartvo::vo {
@@ -21,15 +22,8 @@ using Matrix = Eigen::Matrix<double, kCauses, kCauses>;
 
 // Wide, so that they decide only what the matches leave open.
 const Vector kPriorStddev(0.1, 0.1, 0.1, 3.0);
-constexpr int kMinimumMatches = 24;  // twice what ten mismatches can outvote
 // rad, rotations up to which self-calibration corrects
-constexpr double kCorrectableAngle = PitchReinitialiser::kMaximumPitch;
-constexpr double kRowTolerance = 2.0;  // px; the search is wrong by less, a mismatch mostly by more
-constexpr double kDisagreeingShare = 0.5, kAgreeingShare = 0.7, kRotatedShare = 0.9;  // of the matches
-constexpr double kSignificance = 3.0;                                                 // standard deviations
-// px, row errors of the search and of good lenses that are not among the causes. They are shared by many
-// matches, so that they do not average out.
-constexpr double kRowNoise = 0.15;
+constexpr double kCorrectableAngle = pitch_search::kMaximumPitch;
 // Half-widths of Cauchy's weight, px, in the order of the iterations. The narrow start finds the minimum near
 // a correct rig among many mismatches, the wide one that of a wrong rig.
 constexpr std::array<double, 6> kNarrow{2.0, 1.0, 1.0, 1.0, 1.0, 1.0};
@@ -64,15 +58,15 @@ struct Rows {
 /// writes into its pictures fills one or two bands, and says nothing about the rig.
 template <typename Counts>
 bool areSpread(const Rows& rows, const Counts& counts) {
-  constexpr int kBands = 8, kMinimumBands = 3, kMinimumInBand = 2;
-  std::array<int, kBands> found{};
+  std::array<int, stereo_look::kBands> found{};
   for (const LookMatch& match : rows.matches) {
     if (!rows.uses(match) || !counts(match)) continue;
-    const int band = static_cast<int>(match.left.y() / rows.camera.height * kBands);
-    ++found[std::clamp(band, 0, kBands - 1)];
+    const int band = static_cast<int>(match.left.y() / rows.camera.height * stereo_look::kBands);
+    ++found[std::clamp(band, 0, stereo_look::kBands - 1)];
   }
-  return std::count_if(found.begin(), found.end(), [](int count) { return count >= kMinimumInBand; }) >=
-         kMinimumBands;
+  return std::count_if(found.begin(), found.end(), [](int count) {
+           return count >= stereo_look::kMinimumInBand;
+         }) >= stereo_look::kMinimumBands;
 }
 
 struct RowFit {
@@ -98,7 +92,7 @@ void refine(const Rows& rows, double width, RowFit& fit) {
   }
   fit.causes += information.inverse() * gradient;
   // The row noise does not average out: the covariance is that of a single, mean match.
-  fit.covariance = kRowNoise * kRowNoise * weights * information.inverse();
+  fit.covariance = stereo_look::kRowNoise * stereo_look::kRowNoise * weights * information.inverse();
 }
 
 RowFit fitFrom(const Rows& rows, const double* widths, std::size_t steps) {
@@ -108,7 +102,7 @@ RowFit fitFrom(const Rows& rows, const double* widths, std::size_t steps) {
     refine(rows, widths[i], fit);
   int agreeing = 0;
   for (const LookMatch& match : rows.matches)
-    if (rows.uses(match) && std::abs(rows.error(match, fit.causes)) <= kRowTolerance) ++agreeing;
+    if (rows.uses(match) && std::abs(rows.error(match, fit.causes)) <= stereo_look::kRowTolerance) ++agreeing;
   fit.agreeing = static_cast<double>(agreeing) / rows.count();
   return fit;
 }
@@ -120,46 +114,48 @@ RowFit fitRows(const Rows& rows) {
 }
 
 Evidence rowEvidence(const Rows& rows, const RowFit& fit) {
-  if (fit.agreeing < kDisagreeingShare) return Evidence::wrong;
-  const bool spread = areSpread(
-      rows, [&](const LookMatch& match) { return std::abs(rows.error(match, fit.causes)) <= kRowTolerance; });
-  if (fit.agreeing < kAgreeingShare || !spread) return Evidence::none;
+  if (fit.agreeing < stereo_look::kDisagreeingShare) return Evidence::wrong;
+  const bool spread = areSpread(rows, [&](const LookMatch& match) {
+    return std::abs(rows.error(match, fit.causes)) <= stereo_look::kRowTolerance;
+  });
+  if (fit.agreeing < stereo_look::kAgreeingShare || !spread) return Evidence::none;
   bool turned = false;
   for (int cause = 0; cause < kLag; ++cause)
-    turned = turned || std::abs(fit.causes[cause]) >
-                           kCorrectableAngle + kSignificance * std::sqrt(fit.covariance(cause, cause));
+    turned = turned ||
+             std::abs(fit.causes[cause]) >
+                 kCorrectableAngle + stereo_look::kSignificance * std::sqrt(fit.covariance(cause, cause));
   if (!turned) return Evidence::right;
-  return fit.agreeing >= kRotatedShare ? Evidence::wrong : Evidence::none;
+  return fit.agreeing >= stereo_look::kRotatedShare ? Evidence::wrong : Evidence::none;
 }
 
 /// Disparities are positive, unless a yaw of the right camera shifts them. Those beyond a yaw that
 /// self-calibration corrects, and the disparity of a distant scene, are counted.
 Evidence orderEvidence(const Rows& rows, const RowFit& fit) {
-  constexpr int kMinimumNear = 12;
-  constexpr int kMajority = 4;
-  constexpr double kDistant = 0.0015;  // rad, disparity of a point 700 baselines away, which is not near
   // Disparity over the limit: above 1 if the match is near, below -1 if it is near and exchanged.
   const auto nearness = [&](const LookMatch& match) {
-    if (std::abs(rows.error(match, fit.causes)) > kRowTolerance) return 0.0;
+    if (std::abs(rows.error(match, fit.causes)) > stereo_look::kRowTolerance) return 0.0;
     const double x = (match.left.x() - rows.camera.cx) / rows.camera.focal_length;
-    const double limit = rows.camera.focal_length * (kCorrectableAngle + kDistant) * (1.0 + x * x);
+    const double limit =
+        rows.camera.focal_length * (kCorrectableAngle + stereo_look::kDistant) * (1.0 + x * x);
     return (match.left.x() - match.right.x()) / limit;
   };
   const auto near = [&](const LookMatch& match) { return rows.uses(match) && nearness(match) > 1.0; };
   const auto exchanged = [&](const LookMatch& match) { return rows.uses(match) && nearness(match) < -1.0; };
   const auto positive = std::count_if(rows.matches.begin(), rows.matches.end(), near);
   const auto negative = std::count_if(rows.matches.begin(), rows.matches.end(), exchanged);
-  if (positive >= kMinimumNear && positive > kMajority * negative && areSpread(rows, near))
+  if (positive >= stereo_look::kMinimumNear && positive > stereo_look::kOrderMajority * negative &&
+      areSpread(rows, near))
     return Evidence::right;
-  if (negative >= kMinimumNear && negative > kMajority * positive && areSpread(rows, exchanged))
+  if (negative >= stereo_look::kMinimumNear && negative > stereo_look::kOrderMajority * positive &&
+      areSpread(rows, exchanged))
     return Evidence::wrong;
   return Evidence::none;
 }
 
 Evidence lagEvidence(const RowFit& fit, const PairTimes& times) {
-  if (fit.agreeing < kAgreeingShare) return Evidence::none;
-  const double stddev =
-      kSignificance * std::hypot(std::sqrt(fit.covariance(kLag, kLag)) * times.flow, times.offset_stddev);
+  if (fit.agreeing < stereo_look::kAgreeingShare) return Evidence::none;
+  const double stddev = stereo_look::kSignificance *
+                        std::hypot(std::sqrt(fit.covariance(kLag, kLag)) * times.flow, times.offset_stddev);
   const double error = std::abs(fit.causes[kLag] * times.flow - times.offset);
   if (error - stddev > 0.5 * times.period) return Evidence::wrong;
   return error + stddev < 0.5 * times.period ? Evidence::right : Evidence::none;
@@ -170,12 +166,12 @@ Evidence lagEvidence(const RowFit& fit, const PairTimes& times) {
 StereoLook lookAt(const StereoCamera& camera, const std::vector<LookMatch>& matches, const PairTimes& times) {
   StereoLook look;
   const Rows simultaneous{camera, matches, 0.0, false};
-  if (simultaneous.count() < kMinimumMatches) return look;
+  if (simultaneous.count() < stereo_look::kMinimumMatches) return look;
   const RowFit fit = fitRows(simultaneous);
   look.rows = rowEvidence(simultaneous, fit);
   look.order = orderEvidence(simultaneous, fit);
   const Rows delayed{camera, matches, times.flow > 0.0 ? times.offset / times.flow : 0.0, true};
-  if (!(times.flow > 0.0) || delayed.count() < kMinimumMatches) {
+  if (!(times.flow > 0.0) || delayed.count() < stereo_look::kMinimumMatches) {
     // The motion between the exposures, which is not known, may disturb the rows.
     if (times.offset != 0.0 && look.rows == Evidence::wrong) look.rows = Evidence::none;
     return look;

@@ -7,19 +7,14 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/geometry/reprojection.hpp"
 
 namespace cartvo::vo {
 namespace {
 
-constexpr double kExpectedFlow = 3.0;  // px; less says nothing about a landmark
-constexpr double kMovedFlow = 1.5;     // px; more shows that the cell moves
-constexpr double kMinimumPairs = 8.0;  // half a second of a turning or driving cart
-constexpr double kMinimumRatio = 4.0;  // pairs in which the cell was still, over those in which it moved
-constexpr double kMemory = 0.98;       // factor per pair: dirt is wiped off, the lettering is switched off
-constexpr std::size_t kMaximumRegions = 8;   // reported
-constexpr double kMaximumShare = 1.0 / 3.0;  // of the landmarks and of the cells
+constexpr std::size_t kMaximumRegions = 8;  // reported
 
 /// How the last motion moves landmarks through the image.
 class ExpectedFlow {
@@ -63,14 +58,14 @@ void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vec
     if (landmark.observations.size() < 2 || landmark.last().frame != window.back().index) continue;
     const double flow = landmark.lastFlow();
     const int cell = cellOf(camera_, landmark.last().left);
-    if (flow > kMovedFlow)
+    if (flow > still_regions::kMovedFlow)
       ++moved_[cell];
-    else if (flow < kStillFlow && expected.of(landmark) > kExpectedFlow)
+    else if (flow < kStillFlow && expected.of(landmark) > still_regions::kExpectedFlow)
       ++still_[cell];
   }
   const int still = std::accumulate(still_.begin(), still_.end(), 0);
   const int moved = std::accumulate(moved_.begin(), moved_.end(), 0);
-  if (still > kMaximumShare * (still + moved)) return;
+  if (still > still_regions::kMaximumShare * (still + moved)) return;
   bool changed = false;
   for (std::size_t i = 0; i < cells_.size(); ++i)
     if (still_[i] + moved_[i] > 0) changed = addPair(cells_[i], moved_[i] > 0) || changed;
@@ -79,15 +74,17 @@ void StillRegions::update(const std::vector<Landmark>& landmarks, const std::vec
 
 /// Adds a pair to a cell of it. Returns whether the cell becomes still or ceases to be.
 bool StillRegions::addPair(Cell& cell, bool moved) {
-  cell.still = kMemory * cell.still + (moved ? 0.0 : 1.0);
-  cell.moving = kMemory * cell.moving + (moved ? 1.0 : 0.0);
+  cell.still = still_regions::kMemory * cell.still + (moved ? 0.0 : 1.0);
+  cell.moving = still_regions::kMemory * cell.moving + (moved ? 1.0 : 0.0);
   const bool was_still = cell.is_still;
   if (was_still) {
     cell.is_still = cell.still > cell.moving;
   } else {
     const auto known = std::count_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.is_still; });
-    cell.is_still = cell.still >= kMinimumPairs && cell.still > kMinimumRatio * cell.moving &&
-                    static_cast<double>(known) < kMaximumShare * static_cast<double>(cells_.size());
+    cell.is_still =
+        cell.still >= still_regions::kMinimumPairs &&
+        cell.still > still_regions::kMinimumRatio * cell.moving &&
+        static_cast<double>(known) < still_regions::kMaximumShare * static_cast<double>(cells_.size());
   }
   return cell.is_still != was_still;
 }

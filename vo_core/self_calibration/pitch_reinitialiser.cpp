@@ -8,23 +8,18 @@
 #include <utility>
 
 #include "common/statistics.hpp"
+#include "vo_core/fixed_constants.hpp"
 
 namespace cartvo::vo {
 namespace {
 
-constexpr double kFewMatchesShare = 0.2;       // of landmarks: with a correct rig a quarter is matched
-constexpr std::size_t kMinimumLandmarks = 50;  // for a meaningful share
-constexpr std::size_t kMinimumPatches = 24;    // of two scenes a fifth agrees by chance
-constexpr double kSearchedRows = 1.5;          // px, half the range of the stereo search over rows
-constexpr double kRowTolerance = 3.0;          // px: near points move up and down between the exposures
-constexpr double kRowNoise = 0.15;             // px, least error of rows, of good lenses
 // In the dark, patches correlate badly, but those that are unique agree.
 constexpr PatchDemands kAnyPatch{.texture = 0.0, .correlation = 0.0};
 
 bool hasFewMatches(const std::vector<Landmark>& landmarks) {
-  return landmarks.size() >= kMinimumLandmarks &&
+  return landmarks.size() >= pitch_search::kMinimumLandmarks &&
          static_cast<double>(countStereo(landmarks)) <
-             kFewMatchesShare * static_cast<double>(landmarks.size());
+             pitch_search::kFewMatchesShare * static_cast<double>(landmarks.size());
 }
 
 /// Pitches of the right camera (rad) by the rows at which patches of the left image are found in the right
@@ -71,15 +66,15 @@ bool PitchReinitialiser::tryReinitialise(const NewestPair& pair, const Eigen::Is
                                          const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig) {
   const WindowFrame& newest = pair.window.back();
   if (newest.index < next_pair_ || !hasFewMatches(landmarks)) return false;
-  next_pair_ = newest.index + kSearchInterval;
+  next_pair_ = newest.index + pitch_search::kSearchInterval;
   std::vector<double> pitches = pitchesOfPatches(pair, T_right_left, search_);
-  if (pitches.size() < kMinimumPatches) return false;
+  if (pitches.size() < pitch_search::kMinimumPatches) return false;
   const double pixel = 1.0 / pair.camera.focal_length;  // rad
-  auto pitch = agreedValue(std::move(pitches), kRowTolerance * pixel);
-  if (!pitch || std::abs(pitch->value) > kMaximumPitch) return false;
-  if (std::abs(pitch->value - rig.expected().pitch) < kSearchedRows * pixel) return false;
+  auto pitch = agreedValue(std::move(pitches), pitch_search::kRowTolerance * pixel);
+  if (!pitch || std::abs(pitch->value) > pitch_search::kMaximumPitch) return false;
+  if (std::abs(pitch->value - rig.expected().pitch) < pitch_search::kSearchedRows * pixel) return false;
   const double rate = pair.window.size() > 1 ? settings_.rate_stddev : settings_.unknown_rate_stddev;
-  pitch->stddev = std::hypot(std::max(pitch->stddev, kRowNoise * pixel), rate * newest.offset);
+  pitch->stddev = std::hypot(std::max(pitch->stddev, pitch_search::kRowNoise * pixel), rate * newest.offset);
   rig.reinitialisePitch(*pitch);
   return true;
 }

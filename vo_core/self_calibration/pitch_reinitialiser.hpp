@@ -15,9 +15,6 @@ namespace cartvo::vo {
 /// so that it runs at intervals.
 class PitchReinitialiser {
  public:
-  static constexpr int kSearchInterval = 20;       ///< pairs from one search to the next
-  static constexpr double kMaximumPitch = 0.0105;  ///< rad, 0.6 degrees
-
   /// `levels`: grey levels of both cameras' pyramids.
   PitchReinitialiser(const StereoCamera& camera, const SelfCalibrationSettings& settings, int levels);
 

@@ -4,24 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_core/fixed_constants.hpp"
+
 namespace cartvo::vo {
 namespace {
-
-// s; no sensor of a camera reads its rows that fast: a shorter readout is that of a global shutter.
-constexpr double kShortestReadout = 5e-3;
-// s; that of a sensor of 25 pictures a second, and a margin.
-constexpr double kLongestUnknownReadout = 45e-3;
-// Images whose motions are made from common poses, so that they share errors: the poses of a polynomial.
-constexpr double kSharingImages = 5.0;
-// Images that the assumed scatter counts as, and over which it is averaged.
-constexpr double kAssumedFreedom = 50.0;
-// Random walk of a readout from image to image, in standard deviations of the model.
-constexpr double kDrift = 0.02;
-// A change may fall short by this share of itself: poses follow rows that are timed wrongly.
-constexpr double kMissingShare = 0.4;
-
-// Standard deviations by which the readouts of two cameras must differ before they count as different.
-constexpr double kSignificance = 3.0;
 
 double square(double value) {
   return value * value;
@@ -40,29 +26,30 @@ ReadoutEstimator::ReadoutEstimator(const Shutter& shutter, const SelfCalibration
 
 void ReadoutEstimator::update(const ReadoutEquation& equation) {
   const double measured = used_ + equation.gradient / equation.information;
-  const double variance = kSharingImages / equation.information;
+  const double variance = readout::kSharingImages / equation.information;
   if (equation.information > 0.0 && std::isfinite(measured) && std::isfinite(variance))
     addImage(measured, variance);
 }
 
 /// Kalman update. `variance`: of the measured readout.
 void ReadoutEstimator::addImage(double measured, double variance) {
-  variance_ += square(kDrift * model_stddev_);
+  variance_ += square(readout::kDrift * model_stddev_);
   const double relative = (measured - estimate_) / std::sqrt(variance + variance_);
   // A vehicle that fills the image measures anything: beyond the limit an image counts as one at the limit.
   const double share = std::min(1.0, innovation_limit_ / std::max(std::abs(relative), 1e-9));
-  scatter_ += (square(share * relative) - scatter_) / (kAssumedFreedom + 1.0);
+  scatter_ += (square(share * relative) - scatter_) / (readout::kAssumedFreedom + 1.0);
   const double gain = share * variance_ / (variance_ + std::max(1.0, scatter_) * variance);
   const double change = gain * share * (measured - estimate_);
   estimate_ += change;
-  if (!known_) estimate_ = std::clamp(estimate_, -kLongestUnknownReadout, kLongestUnknownReadout);
-  variance_ = std::min((1.0 - gain) * variance_ + square(kMissingShare * change), prior_variance_);
+  if (!known_)
+    estimate_ = std::clamp(estimate_, -readout::kLongestUnknownReadout, readout::kLongestUnknownReadout);
+  variance_ = std::min((1.0 - gain) * variance_ + square(readout::kMissingShare * change), prior_variance_);
 }
 
 void ReadoutEstimator::use(double estimate, bool is_shown) {
   if (known_) return;
-  used_ = std::clamp(estimate, 0.0, kLongestUnknownReadout);
-  if (used_ < kShortestReadout && is_shown) used_ = 0.0;
+  used_ = std::clamp(estimate, 0.0, readout::kLongestUnknownReadout);
+  if (used_ < readout::kShortestReadout && is_shown) used_ = 0.0;
 }
 
 double ReadoutEstimator::stddev() const {
@@ -77,7 +64,7 @@ bool ReadoutEstimators::choose() {
   const double before_left = left.used(), before_right = right.used();
   const bool are_shown = !areUnknown();
   const double sum = left.variance_ + right.variance_, difference = left.estimate_ - right.estimate_;
-  if (!left.known_ && !right.known_ && square(difference) < square(kSignificance) * sum) {
+  if (!left.known_ && !right.known_ && square(difference) < square(readout::kSignificance) * sum) {
     const double common = (right.variance_ * left.estimate_ + left.variance_ * right.estimate_) / sum;
     left.use(common, are_shown);
     right.use(common, are_shown);

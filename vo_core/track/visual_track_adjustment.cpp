@@ -7,23 +7,12 @@
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/track/visual_track.hpp"
 
 namespace cartvo::vo {
 namespace {
-
-constexpr int kMinimumFixedPoses = 3;  // with fewer poses only the newest one is free
-// Least share of landmarks with a stereo match. Between unrelated pictures a fifth match by chance, as at
-// night where most corners are hot pixels, which keep their place in each picture and would show a
-// standstill.
-constexpr double kLeastStereoShare = 0.2;
-constexpr double kStopTolerance = 2.0;  // factor on the limits of a standstill, for the noise of a motion
-constexpr double kLongestStep = 0.1;    // s; the gate of an uncertain motion grows no more beyond
-// 1/s, relative change of the scale: 2.2 % where a readout of 32 ms is ignored (docs/rolling-shutter.md).
-constexpr double kScaleByReadout = 0.7;
-constexpr double kMinimumRigChange =
-    0.02;  // px, change of the rig's correction that requires a new adjustment
 
 /// Difference of two corrections in normalised coordinates.
 double differenceOf(const RigCorrection& a, const RigCorrection& b) {
@@ -37,7 +26,7 @@ Vector6d errorByReadouts(const Eigen::Isometry3d& motion, const Eigen::Isometry3
                          const ReadoutEstimators& readouts) {
   const double stddev = std::max(readouts.left.stddev(), readouts.right.stddev());
   Vector6d error = vectorFromMotion(motion.inverse() * by_longer);
-  const Eigen::Vector3d by_scale = kScaleByReadout * stddev * motion.translation();
+  const Eigen::Vector3d by_scale = track_adjustment::kScaleByReadout * stddev * motion.translation();
   error.head<3>() += error.head<3>().dot(by_scale) < 0.0 ? -by_scale : by_scale;
   return error;
 }
@@ -61,7 +50,8 @@ void VisualTrack::buildBundleProblem(const Draft& draft, const RigCorrection& ri
   problem.scale_stddev = settings_.uncertainty.scale_stddev;
   problem.poses = timedPoses(draft.window);
   const int poses = static_cast<int>(draft.window.size());
-  problem.fixed = std::max(poses - settings_.bundle.free_frames, std::min(poses - 1, kMinimumFixedPoses));
+  problem.fixed = std::max(poses - settings_.bundle.free_frames,
+                           std::min(poses - 1, track_adjustment::kMinimumFixedPoses));
   problem.fixed_pose_weight = settings_.bundle.fixed_pose_weight;
   addPosePriors(draft.window, settings_.bundle.prior_weight, problem);
   toBundleLandmarks(draft.landmarks, draft.window, camera_, rig, problem.landmarks, chosen_);
@@ -77,7 +67,7 @@ BundleResult VisualTrack::adjustWithRig(Draft& draft) {
   BundleResult result = adjuster_.adjust(bundle_, settings_.bundle);
   RigCalibrationFilter updated_rig = updatedRig(result, draft, rig);
   if (const RigCorrection better = updated_rig.correction();
-      kMinimumRigChange < camera_.focal_length * differenceOf(better, rig)) {
+      track_adjustment::kMinimumRigChange < camera_.focal_length * differenceOf(better, rig)) {
     rig = better;
     buildBundleProblem(draft, rig);
     result = adjuster_.adjust(bundle_, settings_.bundle);
@@ -124,7 +114,7 @@ void VisualTrack::keepReadoutError(Draft& draft, Vector6d& error) const {
 bool VisualTrack::lacksStereo(TrackedMotion& motion) {
   const double share = static_cast<double>(motion.counts.stereo) / std::max(motion.counts.detected, 1);
   stereo_share_ += (share - stereo_share_) / settings_.self_calibration.correlated_pairs;
-  if (stereo_share_ >= kLeastStereoShare) return false;
+  if (stereo_share_ >= track_adjustment::kLeastStereoShare) return false;
   motion.reason = OdometryReason::too_few_matches;
   return true;
 }
@@ -201,7 +191,7 @@ void VisualTrack::updateLandmarks(Draft& draft) {
 
 /// Whether the adjusted motion is a stop that the pair's evidence excludes; sets the reason.
 bool VisualTrack::stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const {
-  if (standstill_.exceedsLimits(motion.T_previous_current, kStopTolerance)) return false;
+  if (standstill_.exceedsLimits(motion.T_previous_current, track_adjustment::kStopTolerance)) return false;
   motion.evidence.stands = true;
   motion.evidence.moves = false;
   return isRejected(pair, motion);
@@ -213,7 +203,7 @@ OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
     return OdometryReason::implausible_motion;
   // A motion whose uncertainty exceeds what the cart's acceleration could change is no measurement.
   const Vector6d variances = motion.error.measured().diagonal();
-  const double step = std::min(motion.time_step, kLongestStep);
+  const double step = std::min(motion.time_step, track_adjustment::kLongestStep);
   const double gate = settings_.pose_search.maximum_acceleration * step * step;
   if (!variances.allFinite() || !(variances.maxCoeff() <= gate * gate))
     return OdometryReason::degenerate_geometry;

@@ -4,24 +4,13 @@
 #include <optional>
 
 #include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/track/visual_track.hpp"
 
 namespace cartvo::vo {
 namespace {
 
-// Pairs of a window from which rows are used: the depths of the first pair are those of an unknown motion
-// between its exposures.
-constexpr std::size_t kFirstWindow = 5;
-// Changes of velocity by rows that count, in those that the cart can make between two pairs: rows scatter.
-constexpr double kRowsBeyondPoses = 3.0;
-// Share of the left readout by which it may change without loss of what its rows have told of motions.
-constexpr double kSmallChange = 0.1;
-// Pairs from one measurement of a known readout, to check it, to the next.
-constexpr int kCheckInterval = 4;
-// Pairs on each side of the one whose rows tell the readout: the polynomial through its neighbours is the
-// better known motion, and a readout times a wrong motion would be a wrong readout.
-constexpr int kReadoutNeighbours = 2;
 constexpr std::size_t kCorrectedPairs = 3;  // whose motions and row shifts are computed anew with each pair
 
 /// Change of a point's ray by a step of its anchor. Bearing and inverse depth remain those at z = 1.
@@ -151,7 +140,7 @@ std::optional<Matrix6d> VisualTrack::estimateRowMotion(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
   const int newest = static_cast<int>(poses.size()) - 1;
   MotionRoughness& roughness = draft.estimates.roughness;
-  const bool enough_pairs = draft.window.size() >= kFirstWindow;
+  const bool enough_pairs = draft.window.size() >= track_rows::kFirstWindow;
   if (enough_pairs) roughness.update(poses, last_stddev_);
   setRowProblem(motionByPoses(poses, newest), roughness.variances(poses, newest, last_stddev_));
   addRowPoints(draft);
@@ -204,9 +193,8 @@ void VisualTrack::concludeRowMotion(const Matrix6d& by_rows, Draft& draft, Track
 /// Covariance that the unknown motion about a track's first exposures adds to that of a motion: rows were
 /// moved by a speed and a rate that were not known.
 Matrix6d VisualTrack::errorOfFirstRows(std::size_t pairs) const {
-  constexpr double kRowShare = 0.15;  // of the readout: half of the rows' RMS, whose errors partly cancel
-  if (pairs >= kFirstWindow || pairs < 2) return Matrix6d::Zero();
-  const double time = 2.0 * timing_.range() * kRowShare / static_cast<double>(pairs - 1);
+  if (pairs >= track_rows::kFirstWindow || pairs < 2) return Matrix6d::Zero();
+  const double time = 2.0 * timing_.range() * track_rows::kRowShare / static_cast<double>(pairs - 1);
   Vector6d stddev = Vector6d::Constant(time * settings_.rolling_shutter.unknown_velocity);
   stddev.tail<3>().setConstant(time * settings_.self_calibration.unknown_rate_stddev);
   return stddev.cwiseAbs2().asDiagonal();
@@ -226,7 +214,8 @@ std::optional<ReadoutEquation> VisualTrack::measureReadout(const Draft& draft, c
                                                            int position, RigSide side) {
   const Eigen::Isometry3d T_left_right = leftFromRight(camera_.baseline);
   const auto view_of = [&](int at) {
-    ExposureMotion motion = motionByPolynomial(poses, at, at - kReadoutNeighbours, at + kReadoutNeighbours);
+    ExposureMotion motion = motionByPolynomial(poses, at, at - track_rows::kReadoutNeighbours,
+                                               at + track_rows::kReadoutNeighbours);
     Eigen::Isometry3d T_world_camera = poses[at].T_world_camera;
     if (side == RigSide::right) {
       T_world_camera = T_world_camera * motion.at(poses[at].offset) * T_left_right;
@@ -234,7 +223,7 @@ std::optional<ReadoutEquation> VisualTrack::measureReadout(const Draft& draft, c
     }
     return ReadoutView{draft.window[at].index, T_world_camera, motion};
   };
-  const ReadoutView before = view_of(position - kReadoutNeighbours), now = view_of(position);
+  const ReadoutView before = view_of(position - track_rows::kReadoutNeighbours), now = view_of(position);
   setRowProblem(now.motion, 2.0 * draft.estimates.roughness.variances(poses, position, last_stddev_));
   row_problem_.start = now.motion;
   addReadoutPoints(draft, before, now, side);
@@ -288,12 +277,12 @@ void VisualTrack::addReadoutPoints(const Draft& draft, const ReadoutView& before
 /// the best known motion: a readout times a wrong motion would be a wrong readout.
 void VisualTrack::updateReadouts(Draft& draft) {
   const TimedPoses poses = timedPoses(draft.window);
-  const int position = static_cast<int>(poses.size()) - 1 - kReadoutNeighbours;
-  if (position < 2 * kReadoutNeighbours) return;
+  const int position = static_cast<int>(poses.size()) - 1 - track_rows::kReadoutNeighbours;
+  if (position < 2 * track_rows::kReadoutNeighbours) return;
   if (!timing_.isRolling()) draft.estimates.roughness.update(poses, last_stddev_);
   ReadoutEstimators& readouts = draft.estimates.readouts;
   const auto update = [&](RigSide side, ReadoutEstimator& readout) {
-    if (readout.stddev() == 0.0 && draft.window.back().index % kCheckInterval != 0) return;
+    if (readout.stddev() == 0.0 && draft.window.back().index % track_rows::kCheckInterval != 0) return;
     if (const auto measured = measureReadout(draft, poses, position, side)) readout.update(*measured);
   };
   update(RigSide::left, readouts.left);
@@ -301,7 +290,7 @@ void VisualTrack::updateReadouts(Draft& draft) {
   const double before = readouts.left.used();
   if (!readouts.choose()) return;
   timing_.setReadouts(readouts.left.used(), readouts.right.used());
-  timeAnew(draft, std::abs(readouts.left.used() - before) < kSmallChange * before);
+  timeAnew(draft, std::abs(readouts.left.used() - before) < track_rows::kSmallChange * before);
 }
 
 /// Computes motions and row shifts of the whole window after a change of a readout. `rows_hold`: what the
@@ -335,7 +324,7 @@ void VisualTrack::updateMotion(const TimedPoses& poses, int position, const Vect
   pair.motion = pair.rows->of(expected);
   const auto by_rows = (pair.motion->velocity - expected.velocity).cwiseAbs();
   const double step = std::abs(parabolaTimes(poses, position).near);
-  const double limit = kRowsBeyondPoses * settings_.pose_search.maximum_acceleration * step;
+  const double limit = track_rows::kRowsBeyondPoses * settings_.pose_search.maximum_acceleration * step;
   if (step == 0.0 || by_rows.maxCoeff() <= limit) return;
   pair.row_information = {};
   pair.rows.emplace(pair.row_information, prior);

@@ -68,7 +68,7 @@ class SimulatedPair {
       last_ns_[side] = instant.exposure_ns;
       if (side == kRight) {
         errors.push_back({exposure, error - left_error_,
-                          std::sqrt(2.0) * static_cast<double>(instant.stddev_ns) * 1e-9, error});
+                          std::sqrt(2.0) * static_cast<double>(instant.exposure_stddev_ns) * 1e-9, error});
       } else {
         left_error_ = error;
       }

@@ -74,7 +74,7 @@ std::vector<Stamped> stampLeft(StereoTimestamper& timestamper, double seconds,
     last = own;
     stamped.push_back({arrival.time, step,
                        static_cast<double>(t.exposure_ns - arrival.picture.arrival_ns) * 1e-9,
-                       static_cast<double>(t.stddev_ns) < kValidStddev, t.is_usable});
+                       static_cast<double>(t.exposure_stddev_ns) < kValidStddev, t.is_usable});
   }
   return stamped;
 }
@@ -204,7 +204,7 @@ TEST(TimeBase, NewConnectionIsSettledBeforeItIsValid) {
     const double late = i < 5 ? 0.2 : 0.0;
     const ExposureTimestamp t = timestamper.stamp(
         CameraSide::left, {i * 5000, std::nullopt, kEpoch_ns + nanoseconds(time + 0.08 + late)});
-    if (static_cast<double>(t.stddev_ns) >= kValidStddev) continue;
+    if (static_cast<double>(t.exposure_stddev_ns) >= kValidStddev) continue;
     ++valid;
     EXPECT_GT(i, 8);
     EXPECT_NEAR(static_cast<double>(t.exposure_ns - kEpoch_ns) * 1e-9, time + 0.08, 1e-3) << i;

@@ -54,9 +54,10 @@ TEST(RecordingIndex, RejectsChangedLine) {
 TEST(RecordingIndex, RejectsTimesOutOfRange) {
   IndexRow row;
   ASSERT_TRUE(parseIndexRow(formatIndexRow(row)));
-  for (std::int64_t IndexRow::*const member :
-       {&IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns, &IndexRow::min_delay_arrival_ns,
-        &IndexRow::exposure_ns, &IndexRow::exposure_stddev_ns, &IndexRow::time_ms}) {
+  for (std::int64_t IndexRow::*const member : std::initializer_list<std::int64_t IndexRow::*>{
+           &IndexRow::pts, &IndexRow::first_arrival_ns, &IndexRow::arrival_ns,
+           &IndexRow::min_delay_arrival_ns, &IndexRow::exposure_ns, &IndexRow::exposure_stddev_ns,
+           &IndexRow::time_ms}) {
     IndexRow impossible = row;
     // The difference of -2^62 and 2^62 overflows.
     for (const std::int64_t instant : {INT64_MAX, INT64_MIN, -(std::int64_t{1} << 62)}) {

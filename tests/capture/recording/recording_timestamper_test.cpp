@@ -50,10 +50,7 @@ std::vector<Live> liveCameras(ClockChoice choice) {
       if (picture.connects) clock.connect(side);
       const ExposureTimestamp instant =
           clock.stamp(side, {unit.pts, unit.reference_us, unit.first_arrival_ns});
-      unit.exposure_ns = instant.exposure_ns;
-      unit.exposure_stddev_ns = instant.stddev_ns;
-      unit.min_delay_arrival_ns = instant.min_delay_arrival_ns;
-      unit.instant_source = instant.source;
+      setTimestamp(unit, instant);
       live.push_back(std::move(picture));
     }
   }
@@ -82,8 +79,8 @@ TEST(RecordingTimestamper, ReproducesLiveTimestamps) {
       const std::optional<ExposureTimestamp> instant = clock.stamp(live[i].side, i + 1);
       ASSERT_TRUE(instant);
       EXPECT_EQ(instant->exposure_ns, live[i].unit.exposure_ns) << i;
-      EXPECT_EQ(instant->stddev_ns, live[i].unit.exposure_stddev_ns) << i;
-      EXPECT_EQ(instant->source, live[i].unit.instant_source) << i;
+      EXPECT_EQ(instant->exposure_stddev_ns, live[i].unit.exposure_stddev_ns) << i;
+      EXPECT_EQ(instant->instant_source, live[i].unit.instant_source) << i;
     }
     EXPECT_FALSE(clock.stamp(CameraSide::left, live.size() + 1));
   }

@@ -78,8 +78,8 @@ TEST(MetricsText, EachLineIsOfPrometheusFormat) {
 
 TEST(MetricsText, SumsTimesOfPairs) {
   pipeline::PairResult result;
-  result.left = {1'000'000'000, 1'050'000'000, 1'054'000'000, 1};
-  result.right = {1'000'000'000, 1'051'000'000, 1'053'000'000, 1};
+  result.left = {{1'000'000'000}, 1'050'000'000, 1'054'000'000, 1};
+  result.right = {{1'000'000'000}, 1'051'000'000, 1'053'000'000, 1};
   result.times.total = 0.005;
   result.times.stages[static_cast<std::size_t>(vo::Stage::detect)] = 0.002;
   odometry_t message{};

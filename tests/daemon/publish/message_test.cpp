@@ -1,7 +1,6 @@
 // Odometry messages: fields of valid and invalid ones, their size, and the names of their reasons.
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -9,10 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <regex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -170,57 +167,34 @@ TEST(OdometryMessage, JoinsNamesOfReasons) {
   EXPECT_EQ(reasonNames(0), "");
 }
 
-/// The REASON_... constants that odometry_t.lcm declares.
-std::map<std::string, std::int32_t> declaredReasons() {
-  static const std::regex kReason("REASON_([A-Z_]+) = ([0-9]+)");
-  std::ifstream stream(test::sourceFolder() / "daemon/messages/odometry_t.lcm");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  std::map<std::string, std::int32_t> reasons;
-  for (std::sregex_iterator match(text.begin(), text.end(), kReason), end; match != end; ++match) {
-    reasons[(*match)[1]] = std::stoi((*match)[2]);
-  }
-  return reasons;
+/// Text of a file of the source tree.
+std::string sourceText(const char* path) {
+  std::ifstream stream(test::sourceFolder() / path);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST(OdometryMessage, HasNameForEachDeclaredReason) {
-  const std::map<std::string, std::int32_t> reasons = declaredReasons();
-  ASSERT_EQ(reasons.size(), 17U);
-  for (const auto& [name, bit] : reasons) {
-    std::string words = name;
-    std::transform(words.begin(), words.end(), words.begin(), [](char c) {
-      return c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    });
-    if (name == "WRONG_SIZE") words = "wrong picture size";
-    if (name == "BOUND") words = "bound above its alert limit";
-    EXPECT_EQ(reasonNames(bit), words);
+TEST(OdometryReasons, AreThoseOfTheMessageAndOfTheDocumentation) {
+  const std::string message = sourceText("daemon/messages/odometry_t.lcm");
+  std::string list;
+  std::uint32_t next = 1;
+  for (const vo::OdometryReasonText& text : vo::kOdometryReasons) {
+    EXPECT_EQ(vo::OdometryReasons(text.reason).bits(), next) << text.name;
+    next *= 2;
+    std::string constant = std::string("REASON_") + text.name;
+    std::transform(constant.begin(), constant.end(), constant.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    const std::string bit = std::to_string(vo::OdometryReasons(text.reason).bits());
+    const std::regex declaration("\\b" + constant + " = " + bit + "\\b");
+    EXPECT_TRUE(std::regex_search(message, declaration)) << constant;
+    EXPECT_EQ(reasonNames(static_cast<std::int32_t>(text.reason)), text.words);
+    list += "- " + bit + " `" + constant + "`: " + text.sentence + ".\n";
   }
-}
-
-TEST(OdometryMessage, HasBitForEachOdometryReason) {
-  constexpr std::array<std::pair<vo::OdometryReason, std::int32_t>, vo::kOdometryReasonCount> kBits{{
-      {vo::OdometryReason::none, 0},
-      {vo::OdometryReason::first_pair, 1},
-      {vo::OdometryReason::too_few_features, 2},
-      {vo::OdometryReason::too_few_matches, 4},
-      {vo::OdometryReason::too_few_inliers, 8},
-      {vo::OdometryReason::high_residual, 16},
-      {vo::OdometryReason::time_step, 32},
-      {vo::OdometryReason::implausible_motion, 64},
-      {vo::OdometryReason::degenerate_geometry, 128},
-      {vo::OdometryReason::zero_velocity, 2048},
-      {vo::OdometryReason::offset_uncertain, 4096},
-      {vo::OdometryReason::repeated_picture, 8192},
-      {vo::OdometryReason::offset_too_large, 16384},
-      {vo::OdometryReason::wrong_stereo_geometry, 32768},
-  }};
-  vo::OdometryReasons all;
-  std::int32_t all_bits = 0;
-  for (const auto& [reason, bit] : kBits) {
-    EXPECT_EQ(reasonBits(reason), bit);
-    all.add(reason);
-    all_bits |= bit;
-  }
-  EXPECT_EQ(reasonBits(all), all_bits);
+  EXPECT_NE(sourceText("docs/controllers.md").find(list + "\n"), std::string::npos)
+      << "docs/controllers.md should contain:\n"
+      << list;
+  static const std::regex kDeclaration("REASON_[A-Z_]+ = ");
+  EXPECT_EQ(std::distance(std::sregex_iterator(message.begin(), message.end(), kDeclaration), {}),
+            std::ssize(vo::kOdometryReasons));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ constexpr int kEthernetFrame = 1400;  ///< bytes of a message that LCM sends unf
 /// Result of a pair that is valid: bounds below their default limits, the worst one 0.006 rad of 1.5 deg.
 inline pipeline::PairResult validResult() {
   pipeline::PairResult result;
-  result.left = {1'000'000'500'000, 1'000'020'000'000, 1'000'025'000'000, 7};
-  result.right = {1'000'003'500'000, 1'000'021'000'000, 1'000'024'000'000, 9};
+  result.left = {{1'000'000'500'000}, 1'000'020'000'000, 1'000'025'000'000, 7};
+  result.right = {{1'000'003'500'000}, 1'000'021'000'000, 1'000'024'000'000, 9};
   result.estimate.valid = true;
   result.estimate.time_step = 0.05;
   result.estimate.reset_counter = 3;

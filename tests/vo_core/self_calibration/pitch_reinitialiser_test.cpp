@@ -9,12 +9,13 @@
 
 #include "support/vo_core/corridor_world.hpp"
 #include "support/vo_core/night.hpp"
+#include "vo_core/fixed_constants.hpp"
 
 namespace cartvo::vo {
 namespace {
 
 constexpr StereoCamera kCamera{300.0, 208.0, 112.0, 0.115, 416, 224};
-constexpr int kInterval = PitchReinitialiser::kSearchInterval;
+constexpr int kInterval = pitch_search::kSearchInterval;
 constexpr double kDegree = M_PI / 180.0;
 
 cv::Mat leftView() {

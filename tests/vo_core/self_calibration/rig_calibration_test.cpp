@@ -7,6 +7,7 @@
 #include "common/units.hpp"
 #include "support/vo_core/corridor_world.hpp"
 #include "support/vo_core/night.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
 #include "vo_core/stereo_odometry.hpp"
@@ -144,7 +145,7 @@ std::vector<StereoImages> lostWith(const RigCorrection& turned, int count) {
 }
 
 TEST(RigCalibrationError, SearchesThePitchAtIntervalsWhileLost) {
-  constexpr int kSearchInterval = PitchReinitialiser::kSearchInterval;
+  constexpr int kSearchInterval = pitch_search::kSearchInterval;
   // The first pair of the next epoch, whose estimate contains the result.
   const int kNextEpoch = kSearchInterval + OdometrySettings{}.tracking.search_again + 1;
   const double pitch = 0.55 * kRadiansPerDegree;

@@ -46,7 +46,7 @@ BELOW = {
     "calib": {"common"},
     "client": set(),
     "pipeline": {"common", "vo_core", "capture", "calib"},
-    "daemon": {"common", "capture", "calib", "pipeline", "cartvo"},
+    "daemon": {"common", "vo_core", "capture", "calib", "pipeline", "cartvo"},
 }
 MAY_USE_LAB = ("lab/", "tests/")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)

@@ -230,9 +230,9 @@ std::string digestAuthorization(const Challenge& challenge, const Credentials& c
   const std::string response =
       hash(algorithm, challenge.has_qop ? joined({ha1, challenge.nonce, count, cnonce, "auth", ha2})
                                         : joined({ha1, challenge.nonce, ha2}));
-  std::string value = "Digest username=" + inQuotes(credentials.user) + ", realm=" + inQuotes(challenge.realm) +
-                      ", nonce=" + inQuotes(challenge.nonce) + ", uri=" + inQuotes(url) +
-                      ", response=" + inQuotes(response);
+  std::string value = "Digest username=" + inQuotes(credentials.user) +
+                      ", realm=" + inQuotes(challenge.realm) + ", nonce=" + inQuotes(challenge.nonce) +
+                      ", uri=" + inQuotes(url) + ", response=" + inQuotes(response);
   if (!challenge.algorithm.empty()) value += ", algorithm=" + algorithm + (has_session ? "-sess" : "");
   if (challenge.has_opaque) value += ", opaque=" + inQuotes(challenge.opaque);
   if (challenge.has_qop) value.append(", qop=auth, nc=").append(count);

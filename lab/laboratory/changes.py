@@ -141,7 +141,7 @@ class Lens:
         self.is_wide = bool(re.search(r"^  lens: wide", part, re.M) or re.search(r"^lens: wide", text, re.M))
 
     def border(self, width, height, angle):
-        """What a camera turned by the angle does not see at each side, px: the largest motion of a pixel of a pinhole camera."""
+        """The part that a camera turned by the angle does not see at each side, px: the largest motion of a pixel of a pinhole camera."""
         (fx, _, cx), (_, fy, cy) = self.matrix[:2]
         x, y = max(cx, width - cx) / fx, max(cy, height - cy) / fy
         return math.ceil(max(fx, fy) * math.tan(angle) * (1 + max(x * x, y * y)))

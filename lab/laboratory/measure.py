@@ -29,7 +29,7 @@ class Case:
 
 @dataclasses.dataclass
 class Source:
-    """What is replayed, and its truth."""
+    """The source of a replay, and its truth."""
     folder: pathlib.Path
     poses: pathlib.Path  # rows of the left camera
     body: pathlib.Path | None = None  # poses of the body with times, more of them than pairs
@@ -39,7 +39,7 @@ class Source:
 
 @dataclasses.dataclass
 class Bench:
-    """What all measurements share."""
+    """Options of all measurements."""
     cartvo: object
     cache: pathlib.Path
     threads: int = 1

@@ -23,7 +23,7 @@ class Cartvo:
         self.path = found
 
     def run(self, *arguments, failure_allowed=False):
-        """What a command prints. With failure_allowed: None if it fails."""
+        """The output of a command. With failure_allowed: None if it fails."""
         command = [self.path, *map(str, arguments)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode == 0:

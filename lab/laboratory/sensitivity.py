@@ -101,7 +101,7 @@ def quaternion(rotation):
 
 
 def write_odometry(cartvo, folder, settings, out):
-    """What cartvo replay writes, as far as cartvo evaluate reads it, of an odometry with these settings."""
+    """The files of cartvo replay, as far as cartvo evaluate reads it, of an odometry with these settings."""
     recording = cartvo.Recording(folder)
     processor = cartvo.PairProcessor(recording.rig, settings)
     out.mkdir()

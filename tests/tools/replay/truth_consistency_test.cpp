@@ -79,7 +79,8 @@ struct SyntheticDrive {
         reference = i;
         const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
         const vo::Vector6d twist =
-            pipeline::logarithm(T_body_left * pair.T_previous_current * T_body_left.inverse()) / pair.time_step;
+            pipeline::logarithm(T_body_left * pair.T_previous_current * T_body_left.inverse()) /
+            pair.time_step;
         pair.velocity = twist.head<3>();
         pair.angular_velocity = twist.tail<3>();
       }

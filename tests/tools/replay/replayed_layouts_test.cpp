@@ -1,6 +1,5 @@
 // Replays of one drive in the layouts of other data sets: the results do not depend on the layout.
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -21,14 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPairs = 4;
-
-std::vector<std::string> firstLines(const fs::path& file) {
-  std::ifstream stream(file);
-  std::vector<std::string> lines;
-  for (std::string line; lines.size() < kPairs && std::getline(stream, line);)
-    lines.push_back(line);
-  return lines;
-}
 
 fs::path imageOf(const fs::path& sequence, const char* camera, int index) {
   char name[16];

@@ -85,8 +85,8 @@ bool isConsistent(const odometry_t& message) {
 }
 
 std::int64_t ageUs(const odometry_t& message, std::int64_t now_utime) {
-  constexpr std::int64_t kLargest = std::int64_t{1} << 61;
-  return std::clamp(now_utime, -kLargest, kLargest) - std::clamp(message.utime, -kLargest, kLargest);
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 61;
+  return std::clamp(now_utime, -kFarthest, kFarthest) - std::clamp(message.utime, -kFarthest, kFarthest);
 }
 
 OdometryVerdict judge(const odometry_t& message, std::int64_t now_utime, const OdometryLimits& limits) {

@@ -18,7 +18,7 @@ EarlierPoint carryToWorld(const FeatureObservation& observation, const Eigen::Ma
 }
 
 /// Cell of the image that a pixel is in; features of a cell have correlated errors (window_refinement.hpp).
-int cellOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
+int refinementCellOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {
   const int column =
       std::clamp(static_cast<int>(pixel.x() * kCovarianceColumns / camera.width), 0, kCovarianceColumns - 1);
   const int row =
@@ -78,7 +78,8 @@ void MotionMeter::refine(const std::vector<Feature>& features, const FrameWindow
   for (const Feature& feature : features) {
     const FeatureObservation& now = feature.last();
     if (now.frame != current || !now.matched()) continue;
-    RefinementFeature refined{now.point, covarianceOf(now), feature.weight, cellOf(camera_, now.left), {}};
+    RefinementFeature refined{
+        now.point, covarianceOf(now), feature.weight, refinementCellOf(camera_, now.left), {}};
     for (int back = 1; back < kHistoryLength; ++back) {
       const FeatureObservation& earlier = feature.observation(back);
       const FrameRecord* frame =

@@ -116,7 +116,7 @@ void recomputeTimestamps(const fs::path& recording) {
     for (std::uint64_t order = 0; order < 2 * kPictures; ++order) {
       for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
         const std::optional<capture::ExposureTimestamp> instant = clock.stamp(side, order);
-        fuzz::require(!instant || instant->stddev_ns >= 0, "a standard deviation is not negative");
+        fuzz::require(!instant || instant->exposure_stddev_ns >= 0, "a standard deviation is not negative");
       }
     }
   }

@@ -195,7 +195,7 @@ Json bodyFromCameraJson(const calib::Rig& rig) {
 std::string nothingValidText(const Replay& replay) {
   for (const ReplayedPair& pair : replay.pairs)
     if (pair.valid) return {};
-  const auto pairsWith = [&](vo::OdometryReason reason) {
+  const auto pairs_with = [&](vo::OdometryReason reason) {
     return std::count_if(replay.pairs.begin(), replay.pairs.end(),
                          [&](const ReplayedPair& pair) { return reasonsOf(pair).has(reason); });
   };
@@ -203,13 +203,13 @@ std::string nothingValidText(const Replay& replay) {
   // least.
   const vo::OdometryReasonText* most = &vo::kOdometryReasons.front();
   for (const vo::OdometryReasonText& text : vo::kOdometryReasons) {
-    const auto pairs = pairsWith(text.reason);
-    const auto most_pairs = most->reason == vo::OdometryReason::first_pair ? 0 : pairsWith(most->reason);
+    const auto pairs = pairs_with(text.reason);
+    const auto most_pairs = most->reason == vo::OdometryReason::first_pair ? 0 : pairs_with(most->reason);
     const bool bound_wins = text.reason == vo::OdometryReason::bound && pairs == most_pairs;
     if (pairs > most_pairs || (bound_wins && pairs > 0)) most = &text;
   }
   return "none of the " + std::to_string(replay.pairs.size()) + " pairs is valid; " + most->name + " in " +
-         std::to_string(pairsWith(most->reason)) + ": " + most->advice;
+         std::to_string(pairs_with(most->reason)) + ": " + most->advice;
 }
 
 Json replaySummary(const ReplaySettings& settings, const Replay& replay) {

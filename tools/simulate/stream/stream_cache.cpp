@@ -126,7 +126,7 @@ std::string StreamCache::problem() const {
 
 fs::path StreamCache::driveFolder(const std::string& key,
                                   const std::function<void(const fs::path&)>& render) const {
-  const fs::path folder = fileFor(key).replace_extension(kDriveExtension);
+  fs::path folder = fileFor(key).replace_extension(kDriveExtension);
   std::error_code problem;
   if (!fs::is_directory(folder)) {
     // Several processes may render the same drive.

@@ -66,7 +66,7 @@ StreamCache cacheOf(const SimulateOptions& options) {
 /// Why nothing can be cached; empty if it can, or is not wanted. Throws std::runtime_error if caching is all
 /// that is wanted.
 std::string problemOf(const StreamCache& cache, const SimulateOptions& options) {
-  const std::string problem = options.no_cache ? "" : cache.problem();
+  std::string problem = options.no_cache ? "" : cache.problem();
   if (!problem.empty() && options.prepare_only)
     throw std::runtime_error(problem + "; name another --cache-dir");
   return problem;

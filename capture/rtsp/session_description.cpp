@@ -50,7 +50,9 @@ void appendParameterSets(std::string_view list, std::vector<std::uint8_t>& sets)
   while (!list.empty()) {
     std::string unit(take(list, ','));
     if (unit.empty() || unit.size() > kMaxParameterSets) continue;
-    unit.append((4 - unit.size() % 4) % 4, '=');  // some cameras leave the padding out
+    unit.erase(std::min(unit.find('='), unit.size()));  // some cameras pad too much, too little or not at all
+    if (unit.size() % 4 == 1) unit.pop_back();          // less than a byte
+    unit.append((4 - unit.size() % 4) % 4, '=');
     const std::optional<std::string> bytes = decodeBase64(unit);
     if (!bytes || bytes->empty()) continue;
     sets.insert(sets.end(), {0, 0, 0, 1});

@@ -142,6 +142,18 @@ TEST(SessionDescription, FindsVideoAmongOtherStreams) {
   EXPECT_EQ(video->format.parameter_sets[4], 0x67);
 }
 
+TEST(SessionDescription, ReadsParameterSetsHoweverTheyArePadded) {
+  for (const char* padding : {"", "=", "==", "==="}) {
+    std::string offered;
+    const auto video = describedVideo(std::string("m=video 0 RTP/AVP 96\r\na=rtpmap:96 H264/90000\r\n"
+                                                  "a=fmtp:96 sprop-parameter-sets=aM48gA==,Z0IAH5WoFAFuQA") +
+                                          padding + "\r\na=control:video\r\n",
+                                      offered);
+    ASSERT_TRUE(video) << padding;
+    EXPECT_EQ(video->format.parameter_sets.size(), 4U + 4U + 4U + 10U) << padding;
+  }
+}
+
 TEST(SessionDescription, PrefersVideoWithoutEncryption) {
   const std::string encrypted = "m=video 0 RTP/SAVPF 96\r\na=rtpmap:96 H264/90000\r\na=control:secret\r\n";
   const std::string open = "m=video 0 RTP/AVP 97\r\na=rtpmap:97 H264/90000\r\na=control:open\r\n";

@@ -34,10 +34,22 @@ std::string shortened(const std::string& text) {
   return std::string(utf8Prefix(text, kMaxTextSize));
 }
 
+template <typename Enumeration, typename... Constants>
+constexpr bool areInOrder(Enumeration last, Constants... constants) {
+  int next = 0;
+  return ((constants == next++) && ...) && static_cast<int>(last) == next - 1;
+}
+
 // The enumerations have the values of the messages' constants.
-static_assert(static_cast<int>(capture::CameraState::frozen) == camera_health_t::FROZEN);
-static_assert(static_cast<int>(capture::InstantSource::kernel) == camera_health_t::KERNEL);
-static_assert(static_cast<int>(vo::IntegrityState::lost) == health_t::LOST);
+static_assert(areInOrder(capture::CameraState::frozen, camera_health_t::CONNECTING,
+                         camera_health_t::STREAMING, camera_health_t::STALLED, camera_health_t::REFUSED,
+                         camera_health_t::ENDED, camera_health_t::FROZEN));
+static_assert(areInOrder(capture::InstantSource::kernel, camera_health_t::FILE_INSTANTS,
+                         camera_health_t::SENDER_REPORT, camera_health_t::ARRIVAL, camera_health_t::PICTURES,
+                         camera_health_t::KERNEL));
+static_assert(areInOrder(vo::IntegrityState::lost, health_t::TRACKING, health_t::STANDSTILL,
+                         health_t::LEFT_FROZEN, health_t::RIGHT_FROZEN, health_t::BOTH_FROZEN,
+                         health_t::LOST));
 
 /// NaN if unknown.
 float milliseconds(const std::optional<double>& nanoseconds) {

@@ -1,9 +1,9 @@
 # The headers of libraries that most sources include are compiled once, for the product and once more for its tests, which
-# have googletest and another optimisation. They are half of the time of a build otherwise. A source still includes what it
-# uses: tools/lint compiles it without them.
+# have googletest and another optimisation. A source still includes what it uses:
+# tools/lint compiles it without them. nlohmann/json is not among them: each source that loads it repeats instantiations.
 include_guard()
 
-# cartvo_precompile(target HEADERS...): an object library whose precompiled headers other targets use.
+# cartvo_precompile(target LIBRARIES... OPTIONS... HEADERS...): an object library whose precompiled headers other targets use.
 function(cartvo_precompile target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "LIBRARIES;OPTIONS;HEADERS")
   add_library(${target} OBJECT ${PROJECT_SOURCE_DIR}/tools/precompiled_headers.cpp)
@@ -30,7 +30,9 @@ function(cartvo_reuse_headers folder)
     get_target_property(type ${target} TYPE)
     get_target_property(libraries ${target} LINK_LIBRARIES)
     get_target_property(sources ${target} SOURCES)
-    if(NOT type MATCHES "LIBRARY|EXECUTABLE" OR type STREQUAL INTERFACE_LIBRARY OR NOT sources MATCHES "\\.cpp" OR target MATCHES "^cartvo_(test_)?headers$|^cartvo_world$")
+    # Not for the renderer, which is compiled for other processors.
+    if(NOT type MATCHES "LIBRARY|EXECUTABLE" OR type STREQUAL INTERFACE_LIBRARY OR NOT sources MATCHES "\\.cpp"
+        OR target MATCHES "^cartvo_(test_)?headers$|^cartvo_world$")
       continue()
     endif()
     if(libraries MATCHES "GTest::")

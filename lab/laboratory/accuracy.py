@@ -1,4 +1,6 @@
 """lab accuracy: one table of errors, consistency and times."""
+import dataclasses
+
 from laboratory import drives
 from laboratory.measure import Case, pooled, pooled_validity
 from laboratory.options import numbers, words
@@ -37,7 +39,7 @@ def sequences(options):
         options.scenarios, options.seconds = ["campus", "standing"], 6.0
     found = [(folder.name, folder, None) for folder in drives.real_sequences(drives.data_folder(options.data))]
     for drive in drives.chosen_drives(options):
-        drive = drives.dataclasses.replace(drive, offset_ms=options.offset_ms, readout_ms=options.readout_ms)
+        drive = dataclasses.replace(drive, offset_ms=options.offset_ms, readout_ms=options.readout_ms)
         found.append((drive.name, None, drive))
     return found
 

@@ -1,4 +1,6 @@
 """lab offset: the effect of unsynchronised cameras."""
+import dataclasses
+
 from laboratory import drives
 from laboratory.accuracy import VALIDITY_COLUMNS, groups, validity_cells, validity_line
 from laboratory.matrix import START, clock_cell, error_cells, mean_cell, over_seeds, reference_of
@@ -42,7 +44,7 @@ def cases(options):
     return [Case(seen.name, drive=seen, features=features, change="simultaneous" if model == "simultaneous" else "",
                  labels={"scenario": drive.scenario_name, "offset_ms": offset, "drift_ppm": drift, "model": model})
             for drive in drives.chosen_drives(options, ["campus", "turns", "bumpy", "traffic"], START)
-            for offset, drift in clocks for seen in [drives.dataclasses.replace(drive, offset_ms=offset, drift_ppm=drift)]
+            for offset, drift in clocks for seen in [dataclasses.replace(drive, offset_ms=offset, drift_ppm=drift)]
             for model in options.models for features in options.features]
 
 

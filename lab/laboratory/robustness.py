@@ -1,4 +1,5 @@
 """lab robustness: what disturbances do to both estimators."""
+import dataclasses
 import math
 
 from laboratory import drives
@@ -39,7 +40,7 @@ def cases(options):
             is_late = DISTURBANCES[disturbance][0] == EXPOSURE
             if is_late and drive is None:
                 continue
-            seen = drives.dataclasses.replace(drive, offset_ms=500.0 / drives.FRAME_RATE) if is_late else drive
+            seen = dataclasses.replace(drive, offset_ms=500.0 / drives.FRAME_RATE) if is_late else drive
             result += [Case(name, folder, seen, estimator, options.features[0], change="" if is_late or disturbance == "none" else disturbance,
                             labels={"disturbance": disturbance, "wants": ("errors_per_second",)})
                        for estimator in ("reprojection", "thesis")]

@@ -1,4 +1,6 @@
 """lab shutter: the effect of rolling shutters."""
+import dataclasses
+
 from laboratory import drives
 from laboratory.accuracy import VALIDITY_COLUMNS, groups, validity_cells, validity_line
 from laboratory.matrix import START, clock_cell, error_cells, mean_cell, over_seeds, percent, reference_of
@@ -33,7 +35,7 @@ def add_options(parser):
 def seen_as(options, drive):
     """The drive with each readout, offset and vibration; a global shutter first."""
     clocks = [(offset, 0.0) for offset in options.offsets_ms] + ([] if options.no_sweep else [fast_sweep(options.seconds)])
-    change = drives.dataclasses.replace
+    change = dataclasses.replace
     for offset, drift in clocks:
         for readout in options.readouts_ms:
             yield change(drive, offset_ms=offset, drift_ppm=drift, readout_ms=readout.replace("/", ","))

@@ -36,8 +36,6 @@ constexpr std::array<std::pair<Scenario, std::string_view>, 25> kNames{{
     {Scenario::tunnel, "tunnel"},
 }};
 
-constexpr std::string_view kLively = "+lively";
-
 }  // namespace
 
 const std::vector<Scenario>& allScenarios() {
@@ -69,22 +67,6 @@ Scenario scenarioFromName(std::string_view name) {
 
 bool canBeLively(Scenario scenario) {
   return scenario != Scenario::motorway;
-}
-
-std::string driveName(const WorldSettings& settings) {
-  std::string name(scenarioName(settings.scenario));
-  if (settings.liveliness > 0.0) name += kLively;
-  return name;
-}
-
-WorldSettings driveFromName(std::string_view name) {
-  WorldSettings settings;
-  if (name.ends_with(kLively)) {
-    settings.liveliness = 1.0;
-    name.remove_suffix(kLively.size());
-  }
-  settings.scenario = scenarioFromName(name);
-  return settings;
 }
 
 double startOf(const WorldSettings& settings) {

@@ -81,13 +81,6 @@ struct WorldSettings {
   int threads = 2;                ///< for rendering; the images do not depend on it
 };
 
-/// A drive's name as benchmarks take it: that of its scenario, and then "+lively" if it is lively.
-std::string driveName(const WorldSettings& settings);
-
-/// Scenario and liveliness of a name; all other settings have their defaults. Throws std::invalid_argument if
-/// there is no such drive.
-WorldSettings driveFromName(std::string_view name);
-
 /// Instant of the drive at which the pictures begin, s.
 double startOf(const WorldSettings& settings);
 

@@ -219,13 +219,7 @@ TEST(StartOfPictures, IsInTheCacheKeyUnlessItIsTheUsualOne) {
   EXPECT_EQ(keys.size(), 5U);
 }
 
-TEST(DriveNames, AreReadBack) {
-  EXPECT_EQ(world::driveName(drive(Scenario::turns, 0.0)), "turns");
-  EXPECT_EQ(world::driveName(drive(Scenario::stop_and_go, 1.0)), "stop_and_go+lively");
-  EXPECT_EQ(world::driveFromName("turns+lively").scenario, Scenario::turns);
-  EXPECT_EQ(world::driveFromName("turns+lively").liveliness, 1.0);
-  EXPECT_EQ(world::driveFromName("turns").liveliness, 0.0);
-  EXPECT_THROW(world::driveFromName("+lively"), std::invalid_argument);
+TEST(LivelyDrive, RefusesAMotorwayAndTooMuch) {
   EXPECT_THROW(RenderedWorld{drive(Scenario::motorway, 1.0)}, std::invalid_argument);
   EXPECT_THROW(RenderedWorld{drive(Scenario::turns, 1.5)}, std::invalid_argument);
 }

@@ -56,10 +56,7 @@ Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesyst
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(truth.string() + ": " + error.what());
   }
-  const TrajectoryFrame frame = frameOf(truth);
-  const bool is_camera =
-      frame == TrajectoryFrame::left_camera || (is_kitti && frame != TrajectoryFrame::body);
-  if (!is_camera) return poses;
+  if (frameOf(truth) != TrajectoryFrame::left_camera) return poses;
   const Eigen::Isometry3d T_body_camera = bodyFromCamera(odometry.parent_path() / "summary.json");
   for (StampedPose& stamped : poses)
     stamped.pose = T_body_camera * stamped.pose * T_body_camera.inverse();

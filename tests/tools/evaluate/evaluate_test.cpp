@@ -301,7 +301,7 @@ TEST(EvaluationReport, AsksAboutTheFrameIfTheAxesDiffer) {
 TEST(Association, RefusesFilesThatStateDifferentFrames) {
   const test::TemporaryFolder folder;
   writeTum(folder / "trajectory.tum", straight(50, 1.0), TrajectoryFrame::body);
-  writeKitti(folder / "poses.txt", straight(50, 1.0), TrajectoryFrame::left_camera);
+  writeKitti(folder / "poses.txt", straight(50, 1.0));
   writeTum(folder / "camera.tum", straight(50, 1.0), TrajectoryFrame::left_camera);
   EXPECT_THAT(
       test::messageOf([&] { associateFiles(folder / "trajectory.tum", folder / "poses.txt"); }),

@@ -64,8 +64,10 @@ Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesyst
 }
 
 std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
-                                             const std::filesystem::path& truth) {
-  const std::vector<OdometryRow> rows = readOdometryFile(odometry);
+                                             const std::filesystem::path& truth, std::int64_t offset_ns) {
+  std::vector<OdometryRow> rows = readOdometryFile(odometry);
+  for (OdometryRow& row : rows)
+    row.time_ns += offset_ns;
   std::vector<ComparedMessage> compared = compareMotion(rows, readBodyTruth(truth, odometry, rows));
   const bool has_truth = std::any_of(compared.begin(), compared.end(), [](const ComparedMessage& message) {
     return message.true_twist.allFinite();

@@ -66,8 +66,8 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
 /// Associates row by row. Throws std::runtime_error unless both have the same number of rows, at least two.
 AssociatedTrajectories associateByRows(const Trajectory& estimate, const Trajectory& truth);
 
-/// Throws if both files state their frame, the frames differ and no alignment is asked for. Returns what
-/// makes the comparison doubtful; empty: nothing. `estimated`: the frame of the estimate's poses.
+/// The problem of a comparison of these frames; empty: none. Throws if both files state their frame, the
+/// frames differ and no alignment is asked for. `estimated`: the frame of the estimate's poses.
 std::string frameProblem(const std::filesystem::path& estimate, TrajectoryFrame estimated,
                          const std::filesystem::path& truth, bool aligns);
 

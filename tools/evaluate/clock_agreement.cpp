@@ -4,10 +4,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "tools/evaluate/association.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -116,12 +117,13 @@ Agreement bestAgreement(const Profile& estimate, const Profile& truth, double st
 
 /// Why clocks may differ by an offset (s).
 std::string reasonOf(double offset) {
-  constexpr double kGpsEpoch = 315'964'800.0, kFirstLeap = 12.5, kLastLeap = 18.5;  // leap seconds since 1999
+  constexpr double kGpsEpoch = 315'964'800.0;          // since 1970
+  constexpr double kGpsFirst = 12.5, kGpsLast = 18.5;  // ahead of UTC since 1999
   const double size = std::abs(offset);
-  const auto is_leap = [](double value) { return value > kFirstLeap && value < kLastLeap; };
-  if (is_leap(size)) return "GPS time is ahead of UTC by its leap seconds, 18 since 2017";
-  if (is_leap(kGpsEpoch - size)) return "GPS time counts from 1980, and without leap seconds";
-  if (std::abs(size - kGpsEpoch) < 2.0) return "seconds from 1980 are those of GPS, not of 1970";
+  const auto is_gps = [](double value) { return value > kGpsFirst && value < kGpsLast; };
+  if (is_gps(size)) return "GPS time is ahead of UTC, by 18 s since 2017";
+  if (is_gps(kGpsEpoch - size)) return "GPS time counts from 1980, and is ahead of UTC";
+  if (std::abs(size - kGpsEpoch) < 2.0) return "one counts from 1980, as GPS does, the other from 1970";
   if (std::abs(size - 37.0) < 0.5) return "TAI is 37 s ahead of UTC";
   constexpr double kQuarter = 900.0, kMaxZone = 14.0 * 3600.0;
   const bool is_zone =
@@ -140,20 +142,16 @@ std::string clockProblem(const Trajectory& estimate, const Trajectory& truth) {
   Agreement found = bestAgreement(of_estimate, of_truth, step, start);
   if (found.correlation < kMinCorrelation)
     found = bestAgreement(withoutAxes(of_estimate), withoutAxes(of_truth), step, start);
-  constexpr double kAllowance = 0.02,
-                   kFactor = 3.0;  // the present disagreement that is no reason for a doubt
-  const bool is_doubtful = found.correlation >= kMinCorrelation && std::abs(found.offset) >= kMinOffset &&
-                           1.0 - found.present > kAllowance + kFactor * (1.0 - found.correlation);
-  if (!is_doubtful) return {};
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "the clocks of the two files differ: speeds and rates agree with %+.2f s added to the estimate's "
-      "instants (correlation %.2f, as they are %s): %s; compare with --offset %.2f",
-      found.offset, found.correlation,
-      found.present < -0.99 ? "none" : std::to_string(found.present).substr(0, 5).c_str(),
-      reasonOf(found.offset).c_str(), found.offset);
-  return text;
+  constexpr double kAllowance = 0.02, kFactor = 3.0;  // of the present disagreement
+  const bool is_significant = found.correlation >= kMinCorrelation && std::abs(found.offset) >= kMinOffset &&
+                              1.0 - found.present > kAllowance + kFactor * (1.0 - found.correlation);
+  if (!is_significant) return {};
+  const std::string present = found.present <= -1.0 ? "" : fmt::format(", without {:.2f}", found.present);
+  return fmt::format(
+      "the clocks of the two files differ: speeds and rates agree with {:+.2f} s added to the estimate's "
+      "instants "
+      "(correlation {:.2f}{}): {}; compare with --offset {:.2f}",
+      found.offset, found.correlation, present, reasonOf(found.offset), found.offset);
 }
 
 }  // namespace cartvo

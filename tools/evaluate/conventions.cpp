@@ -4,7 +4,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/format.h>
 
 #include "common/units.hpp"
 
@@ -69,19 +70,17 @@ std::string axesProblem(const Evaluation& evaluation) {
       remainder > kMaxRemainder * evaluation.short_segments.all.translation)
     return {};
   const Eigen::Vector3d axis = rotation / turned_deg;
-  char text[480];
-  std::snprintf(
-      text, sizeof text,
-      "the axes of the two files differ by %.1f deg: the estimate's are turned about (%.2f, %.2f, %.2f); %s "
-      "Compare with --align, or %s",
+  const bool is_other_frame = turned_deg > kOtherFrame_deg;
+  return fmt::format(
+      "the axes of the two files differ by {:.1f} deg: the estimate's are turned about ({:.2f}, {:.2f}, "
+      "{:.2f}); {}; or "
+      "compare with --align",
       turned_deg, axis.x(), axis.y(), axis.z(),
-      turned_deg > kOtherFrame_deg
+      is_other_frame
           ? "is one of the left camera (poses.txt of a replay, KITTI) and the other of the cart's body "
-            "(trajectory.tum), or in axes forward, right, down (NED)?"
-          : "the mount of a sensor is unknown or wrong.",
-      turned_deg > kOtherFrame_deg ? "compare files of the same frame"
-                                   : "state T_body_camera in the rig ('cartvo calibrate mount')");
-  return text;
+            "(trajectory.tum), or in axes forward, right, down (NED)? Compare files of the same frame"
+          : "the mount of a sensor is unknown or wrong: state T_body_camera in the rig ('cartvo calibrate "
+            "mount')");
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "common/statistics.hpp"
 #include "tools/evaluate/alignment.hpp"
-#include "tools/evaluate/clock_agreement.hpp"
+#include "tools/evaluate/plausibility/clock_agreement.hpp"
 
 namespace cartvo {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "tools/evaluate/alignment.hpp"
 #include "tools/evaluate/axes_alignment.hpp"
-#include "tools/evaluate/conventions.hpp"
+#include "tools/evaluate/plausibility/conventions.hpp"
 #include "tools/evaluate/segments.hpp"
 
 namespace cartvo {

@@ -1,5 +1,5 @@
 // Finds a time offset between an estimate and its truth by the correlation of speeds and rates.
-#include "tools/evaluate/clock_agreement.hpp"
+#include "tools/evaluate/plausibility/clock_agreement.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Tests other readings of poses: orders of quaternions, directions of poses, axes.
-#include "tools/evaluate/conventions.hpp"
+#include "tools/evaluate/plausibility/conventions.hpp"
 
 #include <Eigen/Geometry>
 #include <array>

@@ -73,9 +73,10 @@ TEST(ConventionProblem, NamesTheOrderOfQuaternionsAndTheDirectionOfPoses) {
               HasSubstr("the truth is read in another convention: its quaternions"));
   EXPECT_THAT(problemsOf(associateByRows(w_first, truth)),
               HasSubstr("the estimate is read in another convention"));
-  EXPECT_THAT(problemsOf(associateByRows(inverse, truth)), HasSubstr("poses seem to be inverse"));
+  EXPECT_THAT(problemsOf(associateByRows(inverse, truth)),
+              HasSubstr("poses of one of the two files seem to be inverse"));
   EXPECT_THAT(problemsOf(associateByRows(inverse_rotations, truth)),
-              HasSubstr("rotations seem to be inverse"));
+              HasSubstr("rotations of one of the two files seem to be inverse"));
 }
 
 TEST(ConventionProblem, NamesTurnedAxesFromTwoDegreesOn) {

@@ -26,24 +26,23 @@ struct Reading {
   const char* text;
 };
 
-constexpr std::array<Reading, 4> kReadings{
+/// Inverse poses of one file agree with the other's as well as the reverse: both stand for "one of the
+/// files".
+constexpr std::array<Reading, 3> kReadings{
     {{[](const Pose& pose) {
         const Eigen::Quaterniond q(pose.linear());
         return withRotation(pose, Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix());
       },
-      "its quaternions seem to be written with w first: put the comment '# t x y z qw qx qy qz' in front of "
-      "it"},
-     {[](const Pose& pose) {
-        const Eigen::Quaterniond q(pose.linear());
-        return withRotation(pose, Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix());
-      },
-      "its quaternions seem to be written with w last although they were read with w first: correct the "
-      "names of "
-      "the columns, or write the file in TUM's format (seconds x y z qx qy qz qw)"},
+      "its quaternions seem to be written with w first, or the other's with w last: name the columns in a "
+      "comment "
+      "in front of the rows, such as '# t x y z qw qx qy qz'"},
      {[](const Pose& pose) { return Pose(pose.inverse()); },
-      "its poses seem to be inverse (from the world to the camera or body): invert them"},
+      "the poses of one of the two files seem to be inverse (from the world to the camera or body): invert "
+      "them"},
      {[](const Pose& pose) { return withRotation(pose, pose.linear().transpose()); },
-      "its rotations seem to be inverse (from the world to the camera or body): invert them"}}};
+      "the rotations of one of the two files seem to be inverse (from the world to the camera or body): "
+      "invert "
+      "them"}}};
 
 /// Disagreement of short segments once the axes are aligned: translation and, at the distance of a segment's
 /// length, rotation. Empty without a segment.
@@ -89,13 +88,14 @@ std::string conventionProblem(const AssociatedTrajectories& associated, const Ev
   const std::optional<double> present = disagreement(evaluation.aligned_axes);
   constexpr double kNegligible = 0.003, kMaxRatio = 1.0 / 3.0;
   if (!present) return {};
+  if (*present < kNegligible) return axesProblem(evaluation);
   double best = kMaxRatio * *present;
   std::string problem;
-  for (const bool is_estimate : {true, false}) {
-    for (const Reading& reading : kReadings) {
-      if (*present < kNegligible) break;
+  for (const Reading& reading : kReadings) {
+    for (const bool is_estimate : {true, false}) {
       const std::optional<double> other = disagreement(alignedAxes(reread(associated, is_estimate, reading)));
-      if (!other || *other >= best) continue;
+      constexpr double kEqual = 1e-6;
+      if (!other || *other >= best - kEqual) continue;
       best = *other;
       problem = std::string(is_estimate ? "the estimate" : "the truth") +
                 " is read in another convention: " + reading.text;

@@ -72,7 +72,7 @@ def write_folder(target, left, right, times, poses):
         for number, image in enumerate(images):
             os.symlink(image.resolve(), target / f"image_{camera}" / f"{number:06d}{image.suffix}")
         (target / f"times_{camera}.txt").write_text("".join(f"{time:.9f}\n" for time in instants))
-    (target / "poses.txt").write_text("# poses of the left camera (x right, y down, z forward): 3x4 matrix, row by row\n" + "".join(poses))
+    (target / "poses.txt").write_text("".join(poses))
 
 
 def kept_pairs(name, times):
@@ -251,7 +251,6 @@ def changed(cartvo, source, name, target):
         rewrite_pictures(target, {"text": lambda image, _, number: write_text(image, number), "strip": lambda image, is_left, _: cover_by_cart(
             image, is_left), "contrast": lambda image, _, __: (image / 3.0 + 85.0).round().astype("uint8")}[name])
     if kind == JUMPS:
-        (target / "poses.txt").write_text("# poses of the left camera (x right, y down, z forward): 3x4 matrix, row by row\n"
-                                          + "".join(jump(name, target, rig, times, poses)))
+        (target / "poses.txt").write_text("".join(jump(name, target, rig, times, poses)))
         body = None
     return Source(target, target / "poses.txt", body, rig, kind == JUMPS)

@@ -90,8 +90,7 @@ def rows_of_pairs(source, messages, work):
     by_time = {round(1e6 * time): row for time, row in zip(times, rows)}
     nearest = [min(by_time, key=lambda time, at=int(message["utime_us"]): abs(time - at)) for message in messages]
     file = work / "poses_of_pairs.txt"
-    file.write_text("# poses of the left camera (x right, y down, z forward): 3x4 matrix, row by row\n"
-                    + "".join(by_time[time] for time in nearest))
+    file.write_text("".join(by_time[time] for time in nearest))
     return file
 
 

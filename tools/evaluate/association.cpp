@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "common/statistics.hpp"
+#include "tools/evaluate/alignment.hpp"
+#include "tools/evaluate/plausibility/clock_agreement.hpp"
 
 namespace cartvo {
 namespace {
@@ -79,13 +81,16 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
     associated.estimate.push_back(stamped);
     associated.truth.push_back(*true_pose);
   }
+  const std::string problem = clockProblem(estimate, truth);
   if (associated.estimate.size() < 2) {
     throw std::runtime_error(
         "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
         span(estimate) + ", the truth of " + span(truth) +
         "; check that both are of one drive (each 'cartvo simulate' replaces its truth.tum) and one clock, "
-        "in seconds");
+        "in seconds; --offset of 'cartvo evaluate' adds to the estimate's instants" +
+        (problem.empty() ? "" : ". " + problem));
   }
+  if (!problem.empty()) associated.problems.push_back(problem);
   return associated;
 }
 
@@ -98,31 +103,47 @@ AssociatedTrajectories associateByRows(const Trajectory& estimate, const Traject
   }
   if (estimate.size() < 2)
     throw std::runtime_error("a trajectory of one pose cannot be evaluated; at least two are needed");
-  return {AssociationMethod::rows, estimate, truth, 0};
+  AssociatedTrajectories associated;
+  associated.estimate = estimate;
+  associated.truth = truth;
+  return associated;
 }
 
-namespace {
-
-/// Throws if both files state their frame and the frames differ.
-void checkFrames(const std::filesystem::path& estimate, const std::filesystem::path& truth) {
-  const TrajectoryFrame estimated = frameOf(estimate), true_frame = frameOf(truth);
+std::string frameProblem(const std::filesystem::path& estimate, TrajectoryFrame estimated,
+                         const std::filesystem::path& truth, bool aligns) {
+  const TrajectoryFrame true_frame = frameOf(truth);
   const bool both_known = estimated != TrajectoryFrame::unknown && true_frame != TrajectoryFrame::unknown;
-  if (!both_known || estimated == true_frame) return;
-  throw std::runtime_error(estimate.string() + " has poses of " + frameName(estimated) + ", " +
-                           truth.string() + " of " + frameName(true_frame) +
-                           ", as their first lines state; compare files of the same frame: of a replay, "
-                           "poses.txt is of the left camera and trajectory.tum of the cart's body");
+  if (aligns || !both_known || estimated == true_frame) return {};
+  const std::string frames = estimate.string() + " has poses of " + frameName(estimated) + ", " +
+                             truth.string() + " of " + frameName(true_frame);
+  if (estimated != TrajectoryFrame::left_camera && true_frame != TrajectoryFrame::left_camera)
+    return frames +
+           ": state T_body_camera in the rig ('cartvo calibrate mount') and replay again, or compare with "
+           "--align";
+  throw std::runtime_error(
+      frames +
+      ", as their first lines state (KITTI's rows are of the left camera); compare files of the "
+      "same frame: of a replay, poses.txt is of the left camera and trajectory.tum of the cart's "
+      "body; or compare with --align");
 }
-
-}  // namespace
 
 AssociatedTrajectories associateFiles(const std::filesystem::path& estimate,
-                                      const std::filesystem::path& truth) {
-  const Trajectory estimated = readTrajectory(estimate), true_poses = readTrajectory(truth);
-  checkFrames(estimate, truth);
+                                      const std::filesystem::path& truth,
+                                      const ComparisonSettings& settings) {
+  Trajectory estimated = readTrajectory(estimate);
+  const Trajectory true_poses = readTrajectory(truth);
+  const std::string problem = frameProblem(estimate, frameOf(estimate), truth, settings.aligns);
   const bool has_instants = !isKittiTrajectory(estimate) && !isKittiTrajectory(truth);
   try {
-    return has_instants ? associateByTime(estimated, true_poses) : associateByRows(estimated, true_poses);
+    if (!has_instants && settings.offset_ns != 0)
+      throw std::runtime_error("rows of KITTI have no instants to which --offset could add");
+    for (StampedPose& stamped : estimated)
+      stamped.time_ns += settings.offset_ns;
+    AssociatedTrajectories associated =
+        has_instants ? associateByTime(estimated, true_poses) : associateByRows(estimated, true_poses);
+    if (!problem.empty()) associated.problems.push_back(problem);
+    fitEstimate(settings, associated);
+    return associated;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(estimate.string() + " and " + truth.string() + ": " + error.what());
   }

@@ -2,6 +2,8 @@
 #include "tools/evaluate/axes_alignment.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <vector>
 
 #include "tools/evaluate/evaluation.hpp"
@@ -11,10 +13,9 @@
 namespace cartvo {
 namespace {
 
-constexpr int kIterations = 5;  // of Gauss-Newton; angles are small
 // Relative to the squared segment length; smaller eigenvalues belong to a standstill.
 constexpr double kMinEigenvalue = 1e-9;
-// Relative to the largest eigenvalue: the squared sine of six degrees.
+// Relative to the sum of the eigenvalues: the squared sine of six degrees.
 constexpr double kMinEigenvalueRatio = 0.01;
 
 struct Displacements {
@@ -41,39 +42,34 @@ Eigen::Isometry3d rotationTransform(const Eigen::Vector3d& rotation) {
   return vo::motionFromVector(motion);
 }
 
-/// Minimum-norm solution of matrix x = right_side, without the unobservable directions.
-Eigen::Vector3d solveObservable(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
-  const Eigen::Vector3d& values = solver.eigenvalues();
-  Eigen::Vector3d solution = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    if (values[i] <= kMinEigenvalue || values[i] < kMinEigenvalueRatio * values[2]) continue;
-    const Eigen::Vector3d direction = solver.eigenvectors().col(i);
-    solution += direction.dot(right_side) / values[i] * direction;
-  }
-  return solution;
-}
-
 }  // namespace
 
+// W. Kabsch's solution, 1976: the rotation that maximises the sum of the products of turned and true
+// displacements.
 std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associated) {
   const std::vector<Displacements> displacements = shortDisplacements(associated);
   if (displacements.empty()) return std::nullopt;
-  const auto count = static_cast<double>(displacements.size());
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    for (const Displacements& displacement : displacements) {
-      // Rotated by a further w, t becomes t - skew(t) w to first order.
-      const Eigen::Vector3d turned = turn * displacement.estimate;
-      const Eigen::Matrix3d by_rotation = -vo::skew(turned);
-      hessian += by_rotation.transpose() * by_rotation;
-      gradient += by_rotation.transpose() * (displacement.truth - turned);
-    }
-    turn = rotationTransform(solveObservable(hessian / count, gradient / count)) * turn;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero(), squares = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), truth = Eigen::Vector3d::Zero();
+  for (const Displacements& displacement : displacements) {
+    products += displacement.truth * displacement.estimate.transpose();
+    squares += displacement.estimate * displacement.estimate.transpose();
+    estimate += displacement.estimate;
+    truth += displacement.truth;
   }
-  return vo::vectorFromMotion(turn).tail<3>();
+  const Eigen::Vector3d spread =  // in increasing order
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares / static_cast<double>(displacements.size()))
+          .eigenvalues();
+  if (spread[2] <= kMinEigenvalue) return Eigen::Vector3d::Zero();
+  Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(estimate, truth).toRotationMatrix();
+  if (spread[0] + spread[1] >= kMinEigenvalueRatio * spread.sum()) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d signs = Eigen::Matrix3d::Identity();
+    signs(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+    turn = svd.matrixU() * signs * svd.matrixV().transpose();
+  }
+  const Eigen::AngleAxisd rotation(turn);
+  return Eigen::Vector3d(rotation.angle() * rotation.axis());
 }
 
 Trajectory rotateAxes(const Trajectory& estimate, const Eigen::Vector3d& rotation) {

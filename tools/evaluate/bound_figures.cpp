@@ -130,7 +130,9 @@ std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
   rates.name = "rate-bounds";
   rates.chart.title = "Error of angular rates against their bound (Stanford diagram)";
   rates.caption = "As for velocities.";
-  return {std::move(velocity), std::move(rates)};
+  std::vector<Figure> figures{std::move(velocity), std::move(rates)};
+  std::erase_if(figures, [](const Figure& figure) { return figure.rows.empty(); });
+  return figures;
 }
 
 }  // namespace cartvo

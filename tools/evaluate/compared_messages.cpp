@@ -56,10 +56,7 @@ Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesyst
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(truth.string() + ": " + error.what());
   }
-  const TrajectoryFrame frame = frameOf(truth);
-  const bool is_camera =
-      frame == TrajectoryFrame::left_camera || (is_kitti && frame != TrajectoryFrame::body);
-  if (!is_camera) return poses;
+  if (frameOf(truth) != TrajectoryFrame::left_camera) return poses;
   const Eigen::Isometry3d T_body_camera = bodyFromCamera(odometry.parent_path() / "summary.json");
   for (StampedPose& stamped : poses)
     stamped.pose = T_body_camera * stamped.pose * T_body_camera.inverse();
@@ -67,8 +64,10 @@ Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesyst
 }
 
 std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
-                                             const std::filesystem::path& truth) {
-  const std::vector<OdometryRow> rows = readOdometryFile(odometry);
+                                             const std::filesystem::path& truth, std::int64_t offset_ns) {
+  std::vector<OdometryRow> rows = readOdometryFile(odometry);
+  for (OdometryRow& row : rows)
+    row.time_ns += offset_ns;
   std::vector<ComparedMessage> compared = compareMotion(rows, readBodyTruth(truth, odometry, rows));
   const bool has_truth = std::any_of(compared.begin(), compared.end(), [](const ComparedMessage& message) {
     return message.true_twist.allFinite();

@@ -14,9 +14,9 @@ namespace cartvo {
 Trajectory readBodyTruth(const std::filesystem::path& truth, const std::filesystem::path& odometry,
                          const std::vector<OdometryRow>& rows);
 
-/// Reads the messages of an odometry.csv and compares them with a truth file, see readBodyTruth. Throws
-/// std::runtime_error also if no message has a truth at its time.
+/// Reads the messages of an odometry.csv and compares them with a truth file, see readBodyTruth. `offset_ns`
+/// is added to their instants. Throws std::runtime_error also if no message has a truth at its time.
 std::vector<ComparedMessage> compareMessages(const std::filesystem::path& odometry,
-                                             const std::filesystem::path& truth);
+                                             const std::filesystem::path& truth, std::int64_t offset_ns);
 
 }  // namespace cartvo

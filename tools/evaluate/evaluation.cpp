@@ -5,8 +5,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <span>
+#include <string>
+#include <utility>
 
+#include "tools/evaluate/alignment.hpp"
 #include "tools/evaluate/axes_alignment.hpp"
+#include "tools/evaluate/plausibility/conventions.hpp"
 #include "tools/evaluate/segments.hpp"
 
 namespace cartvo {
@@ -63,21 +67,8 @@ SegmentGroup segmentErrors(const AssociatedTrajectories& associated, std::span<c
   return group;
 }
 
-/// RMSE of position after the rigid alignment that minimises it (S. Umeyama, 1991, without scale).
-double alignedError(const AssociatedTrajectories& associated) {
-  const auto count = static_cast<Eigen::Index>(associated.estimate.size());
-  Eigen::Matrix3Xd estimate(3, count), truth(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    estimate.col(i) = associated.estimate[i].pose.translation();
-    truth.col(i) = associated.truth[i].pose.translation();
-  }
-  const Eigen::Isometry3d alignment(Eigen::umeyama(estimate, truth, false));
-  const Eigen::Matrix3Xd rest = (alignment.linear() * estimate).colwise() + alignment.translation() - truth;
-  return std::sqrt(rest.squaredNorm() / static_cast<double>(count));
-}
-
 double originError(const AssociatedTrajectories& associated) {
-  const Trajectory moved = startingAt(associated.truth.front().pose, associated.estimate);
+  const Trajectory moved = placedEstimate(associated);
   double squares = 0.0;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     squares += (moved[i].pose.translation() - associated.truth[i].pose.translation()).squaredNorm();
@@ -97,6 +88,8 @@ void measureRelative(const AssociatedTrajectories& associated, Evaluation& evalu
   evaluation.relative_rotation = std::sqrt(rotation / static_cast<double>(motions));
 }
 
+}  // namespace
+
 std::optional<AlignedAxes> alignedAxes(const AssociatedTrajectories& associated) {
   const auto rotation = axesRotation(associated);
   if (!rotation) return std::nullopt;
@@ -104,8 +97,6 @@ std::optional<AlignedAxes> alignedAxes(const AssociatedTrajectories& associated)
   turned.estimate = rotateAxes(associated.estimate, *rotation);
   return AlignedAxes{*rotation, segmentErrors(turned, kShortSegments, 1)};
 }
-
-}  // namespace
 
 std::vector<double> distancesAlong(const Trajectory& trajectory) {
   std::vector<double> distances;
@@ -147,6 +138,10 @@ Evaluation evaluate(const AssociatedTrajectories& associated) {
   evaluation.short_segments = segmentErrors(associated, kShortSegments, 1);
   evaluation.long_segments = segmentErrors(associated, kLongSegments, 10);
   evaluation.aligned_axes = alignedAxes(associated);
+  if (associated.scale != 1.0) evaluation.scale = associated.scale;
+  evaluation.problems = associated.problems;
+  if (std::string problem = conventionProblem(associated, evaluation); !problem.empty())
+    evaluation.problems.push_back(std::move(problem));
   return evaluation;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tools/evaluate/association.hpp"
@@ -56,10 +57,15 @@ struct Evaluation {
   SegmentGroup short_segments;  ///< 5 to 40 m, one starting at each pose
   SegmentGroup long_segments;   ///< 100 to 800 m, one starting at each tenth pose, as in the devkit
   std::optional<AlignedAxes> aligned_axes;  ///< empty without a short segment
+  std::optional<double> scale;              ///< by which the estimate's path was corrected
+  std::vector<std::string> problems;        ///< why the comparison may be meaningless, with the remedies
 };
 
 /// Computes all error measures.
 Evaluation evaluate(const AssociatedTrajectories& associated);
+
+/// Errors of short segments after the best rotation of the axes; empty without a segment.
+std::optional<AlignedAxes> alignedAxes(const AssociatedTrajectories& associated);
 
 /// Distance along the path from its start to each pose, m.
 std::vector<double> distancesAlong(const Trajectory& trajectory);

@@ -2,10 +2,13 @@
 #include "tools/evaluate/figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/units.hpp"
+#include "tools/evaluate/alignment.hpp"
 #include "tools/report/table.hpp"
 
 namespace cartvo {
@@ -38,7 +41,7 @@ std::vector<double> secondsOf(const ReportInput& input) {
 std::vector<PoseError> poseErrors(const ReportInput& input) {
   const AssociatedTrajectories& associated = input.associated;
   const std::vector<double> distances = distancesAlong(associated.truth), seconds = secondsOf(input);
-  const Trajectory moved = startingAt(associated.truth.front().pose, associated.estimate);
+  const Trajectory moved = placedEstimate(associated);
   std::vector<PoseError> errors;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const Eigen::Isometry3d error = associated.truth[i].pose.inverse() * moved[i].pose;
@@ -49,7 +52,7 @@ std::vector<PoseError> poseErrors(const ReportInput& input) {
 }
 
 /// Positions of the estimate at messages that are not valid, except the first message.
-std::vector<cv::Point2d> invalidPlaces(const ReportInput& input, const GroundPaths& paths) {
+std::vector<cv::Point2d> invalidPlaces(const ReportInput& input, const std::vector<cv::Point2d>& path) {
   const bool by_time = input.associated.method == AssociationMethod::time;
   std::set<std::int64_t> invalid;  // microseconds, as messages have them, or rows
   for (std::size_t i = 1; i < input.messages.size(); ++i) {
@@ -57,71 +60,113 @@ std::vector<cv::Point2d> invalidPlaces(const ReportInput& input, const GroundPat
       invalid.insert(by_time ? input.messages[i].time_ns / 1000 : static_cast<std::int64_t>(i));
   }
   std::vector<cv::Point2d> places;
-  for (std::size_t i = 0; i < paths.estimate.size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     const std::int64_t key =
         by_time ? input.associated.estimate[i].time_ns / 1000 : static_cast<std::int64_t>(i);
-    if (invalid.contains(key)) places.push_back(paths.estimate[i]);
+    if (invalid.contains(key)) places.push_back(path[i]);
   }
   return places;
+}
+
+/// The colour of an estimate (M. Okabe, K. Ito, 2008).
+DrawingColour colourOf(std::size_t estimate) {
+  constexpr std::array<DrawingColour, 6> kColours{
+      {kChartBlue, {230, 159, 0}, kChartGreen, {204, 121, 167}, {86, 180, 233}, {166, 118, 29}}};
+  return kColours.at(estimate % kColours.size());
+}
+
+/// The name of an estimate in a legend, where `alone` stands for the only one.
+std::string nameOf(const std::vector<ReportInput>& inputs, std::size_t index, const std::string& alone) {
+  return inputs.size() == 1 ? alone : inputs[index].estimate;
+}
+
+/// Adds a row to a figure's numbers; of several estimates it begins with the name.
+void addRow(const std::vector<ReportInput>& inputs, std::size_t index, std::vector<std::string> cells,
+            Figure& figure) {
+  if (inputs.size() > 1) cells.insert(cells.begin(), inputs[index].estimate);
+  figure.rows.push_back(std::move(cells));
+}
+
+std::vector<std::string> columnsOf(const std::vector<ReportInput>& inputs, std::vector<std::string> columns) {
+  if (inputs.size() > 1) columns.insert(columns.begin(), "estimate");
+  return columns;
 }
 
 /// Height of a plot with equal scale that leaves little room beside the paths, px.
 int heightFor(const GroundPaths& paths) {
   constexpr double kPlotWidth = 524.0, kMinHeight = 180.0, kMaxHeight = 460.0, kMargin = 1.25;
   cv::Point2d low = paths.truth.front(), high = low;
-  for (const std::vector<cv::Point2d>* points : {&paths.truth, &paths.estimate}) {
-    for (const cv::Point2d& point : *points) {
+  const auto include = [&](const std::vector<cv::Point2d>& points) {
+    for (const cv::Point2d& point : points) {
       low = {std::min(low.x, point.x), std::min(low.y, point.y)};
       high = {std::max(high.x, point.x), std::max(high.y, point.y)};
     }
-  }
+  };
+  include(paths.truth);
+  std::for_each(paths.estimates.begin(), paths.estimates.end(), include);
   const double width = std::max(high.x - low.x, 1e-3);
   return static_cast<int>(
       std::clamp(kMargin * kPlotWidth * (high.y - low.y) / width, kMinHeight, kMaxHeight));
 }
 
-Figure pathFigure(const ReportInput& input) {
-  const GroundPaths paths = groundPaths(input.associated, input.view);
+Figure pathFigure(const std::vector<ReportInput>& inputs) {
+  std::vector<const AssociatedTrajectories*> associated;
+  for (const ReportInput& input : inputs)
+    associated.push_back(&input.associated);
+  const GroundPaths paths = groundPaths(associated, inputs.front().view);
   Figure figure;
   figure.name = "trajectory";
-  figure.chart.title = "Path from above, starts coincide";
+  figure.chart.title = std::string("Path from above, ") + placementName(*associated.front());
   figure.chart.x_title = paths.horizontal;
   figure.chart.has_equal_scale = true;
   ChartPanel panel;
   panel.y_title = paths.vertical;
   panel.height = heightFor(paths);
-  panel.series = {{"truth", kChartInk, paths.truth, SeriesStyle::dashed},
-                  {"estimate", kChartBlue, paths.estimate},
-                  {"start", kChartGreen, {paths.truth.front()}, SeriesStyle::dots},
-                  {"end of truth", kChartInk, {paths.truth.back()}, SeriesStyle::dots},
-                  {"end of estimate", kChartBlue, {paths.estimate.back()}, SeriesStyle::dots}};
-  if (std::vector<cv::Point2d> places = invalidPlaces(input, paths); !places.empty())
-    panel.series.push_back({"not valid", kChartRed, std::move(places), SeriesStyle::dots});
-  figure.chart.panels = {std::move(panel)};
-  figure.caption = "Both paths on the ground plane of the truth's first pose.";
-  figure.columns = {"truth, " + paths.horizontal, "truth, " + paths.vertical, "estimate, " + paths.horizontal,
-                    "estimate, " + paths.vertical};
-  for (const std::size_t i : spreadIndices(paths.truth.size())) {
-    figure.rows.push_back({fixed(paths.truth[i].x, 2), fixed(paths.truth[i].y, 2),
-                           fixed(paths.estimate[i].x, 2), fixed(paths.estimate[i].y, 2)});
+  panel.series = {{"truth", kChartInk, paths.truth, SeriesStyle::dashed}};
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    panel.series.push_back({nameOf(inputs, i, "estimate"), colourOf(i), paths.estimates[i]});
+  panel.series.push_back({"start", kChartGreen, {paths.truth.front()}, SeriesStyle::dots});
+  panel.series.push_back({"end of truth", kChartInk, {paths.truth.back()}, SeriesStyle::dots});
+  figure.columns = columnsOf(
+      inputs, {"estimate, " + paths.horizontal, "estimate, " + paths.vertical, "error of position (m)"});
+  std::vector<cv::Point2d> invalid;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::vector<cv::Point2d>& path = paths.estimates[i];
+    panel.series.push_back(
+        {inputs.size() == 1 ? "end of estimate" : "", colourOf(i), {path.back()}, SeriesStyle::dots});
+    const std::vector<cv::Point2d> places = invalidPlaces(inputs[i], path);
+    invalid.insert(invalid.end(), places.begin(), places.end());
+    const std::vector<PoseError> errors = poseErrors(inputs[i]);
+    for (const std::size_t row : spreadIndices(path.size()))
+      addRow(inputs, i, {fixed(path[row].x, 2), fixed(path[row].y, 2), fixed(errors[row].translation, 3)},
+             figure);
   }
+  if (!invalid.empty())
+    panel.series.push_back({"not valid", kChartRed, std::move(invalid), SeriesStyle::dots});
+  figure.chart.panels = {std::move(panel)};
+  figure.caption = "All paths on the ground plane of the truth's first pose.";
   return figure;
 }
 
 /// Errors over `axis`, a member of PoseError.
-Figure errorFigure(const std::vector<PoseError>& errors, double PoseError::*axis,
+Figure errorFigure(const std::vector<ReportInput>& inputs, double PoseError::*axis,
                    const std::string& x_title) {
+  std::vector<std::vector<PoseError>> errors;
+  for (const ReportInput& input : inputs)
+    errors.push_back(poseErrors(input));
   const auto panel_of = [&](double PoseError::*value, const std::string& title) {
-    ChartSeries series{"", kChartBlue, {}};
-    double largest = 0.0;
-    for (const PoseError& error : errors) {
-      series.points.emplace_back(error.*axis, error.*value);
-      largest = std::max(largest, error.*value);
-    }
     ChartPanel panel;
-    panel.y_title =
-        title + ", at most " + significant(largest) + ", at the end " + significant(errors.back().*value);
-    panel.series = {std::move(series)};
+    double largest = 0.0;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      ChartSeries series{nameOf(inputs, i, ""), colourOf(i), {}};
+      for (const PoseError& error : errors[i]) {
+        series.points.emplace_back(error.*axis, error.*value);
+        largest = std::max(largest, error.*value);
+      }
+      panel.series.push_back(std::move(series));
+    }
+    panel.y_title = title + ", at most " + significant(largest);
+    if (inputs.size() == 1) panel.y_title += ", at the end " + significant(errors.front().back().*value);
     panel.contains_zero = true;
     panel.height = 150;
     return panel;
@@ -130,10 +175,13 @@ Figure errorFigure(const std::vector<PoseError>& errors, double PoseError::*axis
   figure.chart.x_title = x_title;
   figure.chart.panels = {panel_of(&PoseError::translation, "position (m)"),
                          panel_of(&PoseError::rotation_deg, "rotation (deg)")};
-  figure.columns = {x_title, "position (m)", "rotation (deg)"};
-  for (const std::size_t i : spreadIndices(errors.size())) {
-    figure.rows.push_back(
-        {fixed(errors[i].*axis, 2), fixed(errors[i].translation, 3), fixed(errors[i].rotation_deg, 3)});
+  figure.columns = columnsOf(inputs, {x_title, "position (m)", "rotation (deg)"});
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    for (const std::size_t row : spreadIndices(errors[i].size())) {
+      const PoseError& error = errors[i][row];
+      addRow(inputs, i, {fixed(error.*axis, 2), fixed(error.translation, 3), fixed(error.rotation_deg, 3)},
+             figure);
+    }
   }
   return figure;
 }
@@ -145,15 +193,18 @@ std::vector<SegmentErrors> allSegments(const Evaluation& evaluation) {
   return segments;
 }
 
-Figure segmentFigure(const std::vector<SegmentErrors>& segments) {
+Figure segmentFigure(const std::vector<ReportInput>& inputs) {
   const auto panel_of = [&](const std::string& title, const auto& value) {
-    ChartSeries line{"", kChartBlue, {}}, dots{"", kChartBlue, {}, SeriesStyle::dots};
-    for (const SegmentErrors& errors : segments)
-      line.points.emplace_back(errors.length, value(errors));
-    dots.points = line.points;
     ChartPanel panel;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      ChartSeries line{nameOf(inputs, i, ""), colourOf(i), {}}, dots{"", colourOf(i), {}, SeriesStyle::dots};
+      for (const SegmentErrors& errors : allSegments(inputs[i].evaluation))
+        line.points.emplace_back(errors.length, value(errors));
+      dots.points = line.points;
+      panel.series.push_back(std::move(line));
+      panel.series.push_back(std::move(dots));
+    }
     panel.y_title = title;
-    panel.series = {std::move(line), std::move(dots)};
     panel.contains_zero = true;
     panel.height = 140;
     return panel;
@@ -170,11 +221,37 @@ Figure segmentFigure(const std::vector<SegmentErrors>& segments) {
       "Error of the motion between two poses that are a length apart on the true path, divided by that "
       "length. "
       "100 to 800 m as in KITTI's devkit, starting at each tenth pose; 5 to 40 m starting at each pose.";
-  figure.columns = {"length (m)", "segments", "translation (%)", "rotation (deg/m)"};
-  for (const SegmentErrors& errors : segments) {
-    figure.rows.push_back({fixed(errors.length, 0), std::to_string(errors.count), fixed(percent(errors), 3),
-                           fixed(degrees(errors), 5)});
+  figure.columns = columnsOf(inputs, {"length (m)", "segments", "translation (%)", "rotation (deg/m)"});
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    for (const SegmentErrors& errors : allSegments(inputs[i].evaluation))
+      addRow(inputs, i,
+             {fixed(errors.length, 0), std::to_string(errors.count), fixed(percent(errors), 3),
+              fixed(degrees(errors), 5)},
+             figure);
   }
+  return figure;
+}
+
+Figure distanceFigure(const std::vector<ReportInput>& inputs) {
+  Figure figure = errorFigure(inputs, &PoseError::distance, "distance driven (m)");
+  figure.name = "error-over-distance";
+  figure.chart.title =
+      std::string("Error of the pose over distance, ") + placementName(inputs.front().associated);
+  figure.caption = "Distance and angle between the estimated and the true pose.";
+  return figure;
+}
+
+Figure timeFigure(const std::vector<ReportInput>& inputs) {
+  Figure figure = errorFigure(inputs, &PoseError::seconds, "time (s)");
+  figure.name = "error-over-time";
+  figure.chart.title =
+      std::string("Error of the pose over time, ") + placementName(inputs.front().associated);
+  figure.caption = "The same errors over time.";
+  if (inputs.size() > 1 || inputs.front().messages.empty()) return figure;
+  figure.caption = "The same errors over time; a bar below shows when messages were not valid.";
+  figure.chart.marked = invalidSpans(inputs.front().messages);
+  figure.chart.marked_name = "not valid";
+  figure.chart.unmarked_name = "valid";
   return figure;
 }
 
@@ -189,34 +266,25 @@ std::vector<std::size_t> spreadIndices(std::size_t count) {
   return indices;
 }
 
-std::vector<Figure> evaluationFigures(const ReportInput& input) {
-  std::vector<Figure> figures{pathFigure(input)};
-  const std::vector<PoseError> errors = poseErrors(input);
-  Figure over_distance = errorFigure(errors, &PoseError::distance, "distance driven (m)");
-  over_distance.name = "error-over-distance";
-  over_distance.chart.title = "Error of the pose over distance, starts coincide";
-  over_distance.caption = "Distance and angle between the estimated and the true pose.";
-  figures.push_back(std::move(over_distance));
-  if (!secondsOf(input).empty()) {
-    Figure over_time = errorFigure(errors, &PoseError::seconds, "time (s)");
-    over_time.name = "error-over-time";
-    over_time.chart.title = "Error of the pose over time, starts coincide";
-    over_time.caption = "The same errors over time; a bar below shows when messages were not valid.";
-    over_time.chart.marked = invalidSpans(input.messages);
-    if (!input.messages.empty()) {
-      over_time.chart.marked_name = "not valid";
-      over_time.chart.unmarked_name = "valid";
-    }
-    figures.push_back(std::move(over_time));
-  }
-  if (const std::vector<SegmentErrors> segments = allSegments(input.evaluation); !segments.empty())
-    figures.push_back(segmentFigure(segments));
-  if (input.messages.empty()) return figures;
-  for (Figure& figure : motionFigures(input.messages))
+std::vector<Figure> evaluationFigures(const std::vector<ReportInput>& inputs) {
+  std::vector<Figure> figures{pathFigure(inputs), distanceFigure(inputs)};
+  const auto has_times = [](const ReportInput& input) { return !secondsOf(input).empty(); };
+  const auto has_segments = [](const ReportInput& input) { return !allSegments(input.evaluation).empty(); };
+  if (std::all_of(inputs.begin(), inputs.end(), has_times)) figures.push_back(timeFigure(inputs));
+  if (std::any_of(inputs.begin(), inputs.end(), has_segments)) figures.push_back(segmentFigure(inputs));
+  const ReportInput& first = inputs.front();
+  if (inputs.size() > 1 || first.messages.empty()) return figures;
+  for (Figure& figure : motionFigures(first.messages))
     figures.push_back(std::move(figure));
-  for (Figure& figure : boundFigures(judgedMessages(input.messages), input.limits))
+  for (Figure& figure : boundFigures(judgedMessages(first.messages), first.limits))
     figures.push_back(std::move(figure));
   return figures;
+}
+
+Drawing evaluationPlot(const std::vector<ReportInput>& inputs) {
+  Drawing drawing = drawChart(pathFigure(inputs).chart);
+  drawing.addBelow(drawChart(distanceFigure(inputs).chart));
+  return drawing;
 }
 
 }  // namespace cartvo

@@ -10,11 +10,13 @@
 #include "tools/evaluate/motion_comparison.hpp"
 #include "tools/evaluate/validity/validity_figures.hpp"
 #include "tools/report/chart.hpp"
+#include "tools/report/drawing.hpp"
 
 namespace cartvo {
 
-/// The data that a report compares.
+/// An estimate that a report compares with the truth.
 struct ReportInput {
+  std::string estimate, odometry;  ///< names of its files; odometry empty: no messages are known
   AssociatedTrajectories associated;
   Evaluation evaluation;
   TopView view = TopView::camera_axes;
@@ -31,15 +33,23 @@ struct Figure {
   std::vector<std::vector<std::string>> rows;  ///< evenly spread over the chart if there are many
 };
 
-/// Charts of the paths, errors over distance and over time, segments, and, with messages, of velocities,
-/// rates, NEES and bounds. Charts over time need files with times or messages.
-std::vector<Figure> evaluationFigures(const ReportInput& input);
+/// Charts of the paths, errors over distance and over time, segments, and, of a single estimate with
+/// messages, of velocities, rates, NEES and bounds. Charts over time need files with times or messages. A
+/// panel without a value is left out. `inputs` must not be empty.
+std::vector<Figure> evaluationFigures(const std::vector<ReportInput>& inputs);
 
-/// Stanford diagrams: errors of VALID velocities and rates against their bounds, component by component.
+/// The paths and the errors over distance as one drawing.
+Drawing evaluationPlot(const std::vector<ReportInput>& inputs);
+
+/// Stanford diagrams, as far as there are values: errors of VALID velocities and rates against their bounds,
+/// component by component.
 std::vector<Figure> boundFigures(const std::vector<JudgedMessage>& messages,
                                  const pipeline::AlertLimits& limits);
 
-/// Charts of velocities, rates and NEES; `messages` must not be empty.
+/// Whether the covariances of the messages are right, in words.
+std::string consistencyVerdict(const std::vector<ComparedMessage>& messages);
+
+/// Charts of velocities, rates and NEES, as far as there are values; `messages` must not be empty.
 std::vector<Figure> motionFigures(const std::vector<ComparedMessage>& messages);
 
 /// Parts of the time in which the messages are not valid, s since the first; the first message, which can

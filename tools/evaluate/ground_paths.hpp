@@ -15,13 +15,15 @@ enum class TopView : std::uint8_t {
   body_axes,    ///< x forward, y left
 };
 
-/// Both paths on the ground plane with coinciding starts, m, and the names of the axes.
+/// The true path and the placed estimates on the ground plane, m, and the names of the axes.
 struct GroundPaths {
-  std::vector<cv::Point2d> truth, estimate;
+  std::vector<cv::Point2d> truth;
+  std::vector<std::vector<cv::Point2d>> estimates;
   std::string horizontal, vertical;
 };
 
-/// Forward is up, unless the path is longer forward than sideways: then forward is to the right.
-GroundPaths groundPaths(const AssociatedTrajectories& associated, TopView view);
+/// Forward is up, unless the path is longer forward than sideways: then forward is to the right. Of several
+/// estimates the truth is that part of it that most poses have.
+GroundPaths groundPaths(const std::vector<const AssociatedTrajectories*>& associated, TopView view);
 
 }  // namespace cartvo

@@ -6,6 +6,7 @@
 
 #include "common/units.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
+#include "tools/evaluate/comparison_table.hpp"
 #include "tools/report/html.hpp"
 #include "tools/report/table.hpp"
 
@@ -16,7 +17,10 @@ constexpr const char* kStyle =
     "main{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,520px),1fr));gap:1.5em 2em}"
     "figure{margin:0;min-width:0;break-inside:avoid}figcaption{font-size:.9em}svg{width:100%;height:auto}"
     "svg text{fill:var(--ink)}details{overflow-x:auto;font-size:.9em}summary{cursor:pointer}"
-    "td,th{font-variant-numeric:tabular-nums}"
+    "td,th{font-variant-numeric:tabular-nums}.wide{overflow-x:auto}.problem{font-weight:bold;color:var(--red)"
+    "}"
+    ".tiles{display:flex;flex-wrap:wrap;gap:1em;margin-bottom:1em}"
+    ".tiles div{border:1px solid var(--line);padding:.5em 1em}.tiles b{display:block;font-size:1.6em}"
     "@media "
     "print{main{display:block}figure{max-width:16cm;margin-bottom:1em}details:not([open]){display:none}}";
 
@@ -87,12 +91,46 @@ std::string validityText(const std::vector<ComparedMessage>& messages) {
   return text;
 }
 
-std::string motionNote(const ReportFiles& files, const ReportInput& input) {
-  if (!input.messages.empty())
-    return "<p>" + escaped(files.odometry + ": " + validityText(input.messages)) + "</p>\n";
-  return "<p>Velocities, rates, validity and NEES are missing: they need the odometry.csv of 'cartvo replay' "
-         "and a "
-         "truth of the body, see cartvo-evaluate(1), --odometry.</p>\n";
+std::string paragraph(const std::string& text) {
+  return "<p>" + escaped(text) + "</p>\n";
+}
+
+std::string motionNote(const ReportInput& input) {
+  if (input.messages.empty())
+    return paragraph(
+        "Velocities, rates, validity and NEES are missing: they need the odometry.csv of 'cartvo replay' and "
+        "a "
+        "truth of the body, see cartvo-evaluate(1), --odometry.");
+  return paragraph(input.odometry + ": " + validityText(input.messages)) +
+         paragraph(consistencyVerdict(input.messages));
+}
+
+/// The figures that are looked at first, in large type.
+std::string tiles(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
+  Rows tiles{{evaluation.final_drift_fraction ? fixed(100.0 * *evaluation.final_drift_fraction, 2) + " %"
+                                              : fixed(evaluation.final_drift, 3) + " m",
+              "final drift" + std::string(evaluation.final_drift_fraction
+                                              ? " of " + fixed(evaluation.path_length, 1) + " m"
+                                              : "")},
+             {fixed(1e3 * evaluation.relative_translation, 1) + " mm", "pose to pose (RPE)"},
+             {fixed(evaluation.absolute_aligned, 3) + " m", "position, aligned (ATE)"}};
+  if (!input.messages.empty()) {
+    const ValidityFigures figures = validityFigures(judgedMessages(input.messages), input.limits);
+    tiles.push_back({fixed(100.0 * figures.availability(), 1) + " %", "of the messages are VALID"});
+    tiles.push_back({shareOfJudged(figures, figures.above_bound), "VALID messages above their bound"});
+  }
+  std::string html = "<div class=\"tiles\">";
+  for (const std::vector<std::string>& tile : tiles)
+    html += "<div><b>" + escaped(tile[0]) + "</b>" + escaped(tile[1]) + "</div>";
+  return html + "</div>\n";
+}
+
+std::string measures(const std::vector<ReportInput>& inputs) {
+  if (inputs.size() == 1)
+    return tiles(inputs.front()) + measuresTable(inputs.front()) + motionNote(inputs.front());
+  const ComparisonTable table = comparisonTable(inputs);
+  return "<div class=\"wide\">" + tableElement(table.header, table.rows) + "</div>\n";
 }
 
 std::string figureElement(const Figure& figure) {
@@ -104,14 +142,24 @@ std::string figureElement(const Figure& figure) {
 
 }  // namespace
 
-std::string evaluationPage(const ReportFiles& files, const ReportInput& input,
+std::string evaluationPage(const ReportContext& context, const std::vector<ReportInput>& inputs,
                            const std::vector<Figure>& figures) {
-  std::string body = "<h1>cartvo evaluate</h1>\n<p>" + escaped(files.estimate) + " compared with " +
-                     escaped(files.truth) + ", cartvo " CARTVO_VERSION "</p>\n" + measuresTable(input) +
-                     motionNote(files, input) + "<main>\n";
+  std::string names, problems, settings;
+  for (const ReportInput& input : inputs) {
+    names += (names.empty() ? "" : ", ") + input.estimate;
+    for (const std::string& problem : input.evaluation.problems)
+      problems += "<p class=\"problem\">" + escaped(input.estimate + ": " + problem) + "</p>\n";
+  }
+  for (const std::string& setting : context.settings)
+    settings += (settings.empty() ? "" : ", ") + setting;
+  std::string body = "<h1>cartvo evaluate</h1>\n" +
+                     paragraph(names + " compared with " + context.truth + ", " + context.date +
+                               ", cartvo " CARTVO_VERSION) +
+                     (settings.empty() ? "" : paragraph("Settings: " + settings)) + problems +
+                     measures(inputs) + "<main>\n";
   for (const Figure& figure : figures)
     body += figureElement(figure);
-  return htmlPage("cartvo evaluate: " + files.estimate, chartColourStyle() + kStyle, body + "</main>\n");
+  return htmlPage("cartvo evaluate: " + names, chartColourStyle() + kStyle, body + "</main>\n");
 }
 
 void writeFigures(const std::filesystem::path& folder, const std::vector<Figure>& figures) {

@@ -8,14 +8,15 @@
 
 namespace cartvo {
 
-/// Names of the files that a report was made from.
-struct ReportFiles {
-  std::string estimate, truth;
-  std::string odometry;  ///< empty: no messages are known
+/// What a report was made from, apart from the estimates.
+struct ReportContext {
+  std::string truth;                  ///< name of its file
+  std::string date;                   ///< of the report
+  std::vector<std::string> settings;  ///< such as "rig KITTI"
 };
 
-/// One HTML page with all measures and figures, which needs no other file.
-std::string evaluationPage(const ReportFiles& files, const ReportInput& input,
+/// One HTML page with all measures and figures, which needs no other file. `inputs` must not be empty.
+std::string evaluationPage(const ReportContext& context, const std::vector<ReportInput>& inputs,
                            const std::vector<Figure>& figures);
 
 /// Writes each figure as NAME.svg and NAME.png into a folder, which must exist.

@@ -1,7 +1,10 @@
 // Figures of velocities, rates and their consistency.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "common/units.hpp"
 #include "tools/evaluate/consistency.hpp"
@@ -80,34 +83,58 @@ Figure twistFigure(const Messages& messages, int first_axis, const std::array<st
   return figure;
 }
 
-/// Mean and share inside the interval, such as "mean 1.1, 93 % inside".
-std::string neesText(const std::vector<double>& values, const Interval& interval) {
-  if (values.empty()) return "no value";
-  double sum = 0.0, inside = 0.0;
-  for (const double value : values) {
-    sum += value;
-    inside += interval.contains(value) ? 1.0 : 0.0;
-  }
-  const auto count = static_cast<double>(values.size());
-  return "mean " + significant(sum / count) + ", " + fixed(100.0 * inside / count, 0) + " % inside";
+using Nees = std::optional<double> ComparedMessage::*;
+
+std::vector<double> valuesOf(const Messages& messages, Nees member) {
+  std::vector<double> values;
+  for (const ComparedMessage& message : messages)
+    if (message.*member) values.push_back(*(message.*member));
+  return values;
 }
 
-ChartPanel neesPanel(const Messages& messages, const std::string& name,
-                     std::optional<double> ComparedMessage::*member) {
+double meanOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Mean and share inside the interval, such as "mean 1.1, 93 % inside".
+std::string neesText(const std::vector<double>& values, const Interval& interval) {
+  const auto inside =
+      std::count_if(values.begin(), values.end(), [&](double value) { return interval.contains(value); });
+  return "mean " + significant(meanOf(values)) + ", " +
+         fixed(100.0 * static_cast<double>(inside) / static_cast<double>(values.size()), 0) + " % inside";
+}
+
+constexpr std::array<std::pair<const char*, Nees>, 2> kConsistencies{
+    {{"velocities and rates", &ComparedMessage::twist_nees},
+     {"pose in its epoch", &ComparedMessage::pose_nees}}};
+
+/// Whether the stated deviations are right, in words. A factor on a deviation is the root of that on NEES.
+std::string verdictText(const std::vector<double>& values, const std::string& name) {
+  if (values.empty())
+    return "Of the " + name +
+           " there is no value: no VALID message with a motion has a truth and a usable covariance.";
+  constexpr double kRight = 1.5;  // factor on the deviation
+  const double factor = std::sqrt(meanOf(values));
+  if (factor > kRight)
+    return "The errors of the " + name + " are " + significant(factor) +
+           " times the stated deviation: it is too small here.";
+  if (factor < 1.0 / kRight)
+    return "The stated deviation of the " + name + " is " + significant(1.0 / std::max(factor, 1e-6)) +
+           " times too large here.";
+  return "The stated deviation of the " + name + " fits the errors.";
+}
+
+ChartPanel neesPanel(const Messages& messages, const std::string& name, Nees member) {
   const Interval interval = consistencyBand(1);
   ChartSeries series{"NEES / 6", kChartBlue, {}}, one{"1: consistent", kChartInk, {}, SeriesStyle::dashed};
   ChartBand band{"95 % of χ²(6) / 6", kChartGreen, {}};
-  std::vector<double> values;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const std::optional<double>& nees = messages[i].*member;
-    series.points.emplace_back(secondsAt(messages, i), nees.value_or(kNaN));
-    if (nees) values.push_back(*nees);
-  }
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    series.points.emplace_back(secondsAt(messages, i), (messages[i].*member).value_or(kNaN));
   const double end = secondsAt(messages, messages.size() - 1);
   one.points = {{0.0, 1.0}, {end, 1.0}};
   band.limits = {{0.0, interval.low, interval.high}, {end, interval.low, interval.high}};
   ChartPanel panel;
-  panel.y_title = name + ": " + neesText(values, interval);
+  panel.y_title = name + ": " + neesText(valuesOf(messages, member), interval);
   panel.series = {std::move(series), std::move(one)};
   panel.bands = {std::move(band)};
   panel.is_logarithmic = true;
@@ -119,10 +146,12 @@ Figure neesFigure(const Messages& messages) {
   Figure figure;
   figure.name = "nees";
   figure.chart.title = "Consistency of covariances (NEES) over time";
-  figure.chart.panels = {neesPanel(messages, "velocities and rates", &ComparedMessage::twist_nees),
-                         neesPanel(messages, "pose in its epoch", &ComparedMessage::pose_nees)};
+  for (const auto& [name, member] : kConsistencies) {
+    if (!valuesOf(messages, member).empty()) figure.chart.panels.push_back(neesPanel(messages, name, member));
+  }
   figure.caption =
-      "Squared error over its covariance, divided by the six dimensions. If covariances are right, 95 % of "
+      consistencyVerdict(messages) +
+      " Squared error over its covariance, divided by the six dimensions. If covariances are right, 95 % of "
       "the values lie in the interval; above it errors are larger than stated. Errors of poses are "
       "correlated: each contains those before. An error of the truth counts as one of the estimate.";
   figure.columns = {"time (s)", "velocities and rates", "pose in its epoch"};
@@ -136,6 +165,13 @@ Figure neesFigure(const Messages& messages) {
 }
 
 }  // namespace
+
+std::string consistencyVerdict(const Messages& messages) {
+  std::string text;
+  for (const auto& [name, member] : kConsistencies)
+    text += (text.empty() ? "" : " ") + verdictText(valuesOf(messages, member), name);
+  return text;
+}
 
 std::vector<ChartSpan> invalidSpans(const Messages& messages) {
   std::vector<ChartSpan> spans;
@@ -166,6 +202,11 @@ std::vector<Figure> motionFigures(const Messages& messages) {
   rates.chart.title = "Angular rates in body axes over time";
   rates.caption = "Rates about the forward, left and upward axis as published; the truth as for velocities.";
   std::vector<Figure> figures{std::move(velocities), std::move(rates), neesFigure(messages)};
+  // Without an estimate there is nothing to draw; the page says so in words.
+  const bool has_valid =
+      std::any_of(messages.begin(), messages.end(), [](const auto& one) { return one.valid; });
+  if (!has_valid) figures.clear();
+  std::erase_if(figures, [](const Figure& figure) { return figure.chart.panels.empty(); });
   const std::vector<ChartSpan> invalid = invalidSpans(messages);
   for (Figure& figure : figures) {
     figure.chart.x_title = "time (s)";

@@ -65,19 +65,11 @@ nlohmann::ordered_json alignedJson(const AlignedAxes& aligned) {
           {"segments_5_to_40_m", groupJson(aligned.short_segments)}};
 }
 
-/// Says that the two files may be of different frames, if their axes differ by more than an error of the
-/// mounting; empty otherwise.
-std::string frameProblem(const Evaluation& evaluation) {
-  constexpr double kMaxMountingError_deg = 45.0;
-  if (!evaluation.aligned_axes) return {};
-  const double turned_deg = kDegreesPerRadian * evaluation.aligned_axes->rotation.norm();
-  if (turned_deg <= kMaxMountingError_deg) return {};
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "the axes of the two files differ by %.0f deg: is one of the left camera (poses.txt of a "
-                "replay, KITTI) and the other of the cart's body (trajectory.tum)? Compare files of the same "
-                "frame",
-                turned_deg);
+/// All problems in one text; empty: none.
+std::string problemText(const Evaluation& evaluation) {
+  std::string text;
+  for (const std::string& problem : evaluation.problems)
+    text += (text.empty() ? "" : "; ") + problem;
   return text;
 }
 
@@ -92,6 +84,7 @@ std::string evaluationTable(const Evaluation& evaluation) {
                    : (", " + std::to_string(evaluation.unmatched) + " without a truth").c_str());
   text += line("%-34s %.3f m (estimated: %.3f m)", "path length", evaluation.path_length,
                evaluation.estimated_path_length);
+  if (evaluation.scale) text += line("%-34s multiplied by %.6f", "scale of the estimate", *evaluation.scale);
   text += line("%-34s %.3f m, %.3f deg", "final drift", evaluation.final_drift,
                kDegreesPerRadian * evaluation.final_rotation);
   if (evaluation.final_drift_fraction) {
@@ -104,7 +97,7 @@ std::string evaluationTable(const Evaluation& evaluation) {
   text += segmentTable("5 to 40 m", evaluation.short_segments);
   if (evaluation.aligned_axes) text += alignedRow(*evaluation.aligned_axes);
   text += segmentTable("100 to 800 m", evaluation.long_segments);
-  if (const std::string problem = frameProblem(evaluation); !problem.empty())
+  for (const std::string& problem : evaluation.problems)
     text += "problem: " + problem + "\n";
   return text;
 }
@@ -129,6 +122,7 @@ nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   json["unmatched"] = evaluation.unmatched;
   json["path_length_m"] = evaluation.path_length;
   json["estimated_path_length_m"] = evaluation.estimated_path_length;
+  json["scale"] = evaluation.scale.value_or(1.0);
   json["final_drift_m"] = evaluation.final_drift;
   json["final_drift_percent"] = nullptr;
   if (evaluation.final_drift_fraction) json["final_drift_percent"] = 100.0 * *evaluation.final_drift_fraction;
@@ -139,7 +133,7 @@ nlohmann::ordered_json evaluationJson(const Evaluation& evaluation) {
   json["origin_rmse_m"] = evaluation.absolute_origin;
   json["segments_5_to_40_m"] = groupJson(evaluation.short_segments);
   json["segments_100_to_800_m"] = groupJson(evaluation.long_segments);
-  json["problem"] = frameProblem(evaluation);
+  json["problem"] = problemText(evaluation);
   json["axes_aligned"] = nullptr;
   if (evaluation.aligned_axes) json["axes_aligned"] = alignedJson(*evaluation.aligned_axes);
   return json;

@@ -22,12 +22,6 @@ const ExportSource& withReplay(const ExportSource& source) {
                            "image folder");
 }
 
-void writeKittiFile(const ExportSource& source, const std::filesystem::path& file) {
-  if (source.replay)
-    return writeKitti(file, leftCameraTrajectory(*source.replay), TrajectoryFrame::left_camera);
-  writeKitti(file, source.poses, source.frame);
-}
-
 }  // namespace
 
 std::vector<std::string> exportFormatNames() {
@@ -59,7 +53,7 @@ void writeExport(const ExportSource& source, ExportFormat format, const std::fil
     case ExportFormat::tum:
       return writeTum(output, source.poses, source.frame);
     case ExportFormat::kitti:
-      return writeKittiFile(source, output);
+      return writeKitti(output, source.replay ? leftCameraTrajectory(*source.replay) : source.poses);
     case ExportFormat::euroc:
       return writeEuroc(output, source.poses);
     case ExportFormat::csv:

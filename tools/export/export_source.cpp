@@ -50,7 +50,7 @@ ExportSource readExportSource(const fs::path& path, const fs::path& rig, const R
   source.replay = replaySource(settings, observer);
   source.has_video = capture::isRecording(path);
   source.poses = bodyTrajectory(*source.replay);
-  source.frame = TrajectoryFrame::body;
+  source.frame = bodyTrajectoryFrame(*source.replay);
   return source;
 }
 

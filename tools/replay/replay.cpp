@@ -139,6 +139,11 @@ std::optional<pipeline::AbsentReadout> absentReadout(const ReplaySettings& setti
   return pipeline::AbsentReadout::unknown;
 }
 
+/// Adds to the problems that the poses of the body are those of the left camera.
+void noteMount(Replay& replay) {
+  if (!calib::hasMount(replay.rig.rig)) replay.problems.emplace_back(calib::kNoMountText);
+}
+
 }  // namespace
 
 Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
@@ -200,6 +205,7 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
       message += "; " + problem;
     throw std::runtime_error(message);
   }
+  noteMount(replay);
   return replay;
 }
 
@@ -226,6 +232,7 @@ Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progres
     throw std::runtime_error(videos.left.string() + " and " + videos.right.string() +
                              ": no left and right picture could be paired by their times; check --offset-ms");
   }
+  noteMount(replay);
   return replay;
 }
 
@@ -245,6 +252,10 @@ Trajectory bodyTrajectory(const Replay& replay) {
     trajectory.push_back({pair.exposure_ns, T_body_left * pair.T_first_left * T_body_left.inverse()});
   }
   return trajectory;
+}
+
+TrajectoryFrame bodyTrajectoryFrame(const Replay& replay) {
+  return calib::hasMount(replay.rig.rig) ? TrajectoryFrame::body : TrajectoryFrame::unmounted_camera;
 }
 
 }  // namespace cartvo

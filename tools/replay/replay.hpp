@@ -103,7 +103,7 @@ struct Replay {
   std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
   std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
   vo::ImageRegions still_regions;             ///< OdometryEstimate::still_regions at the end
-  std::vector<std::string> problems;          ///< warnings and errors of the sources
+  std::vector<std::string> problems;          ///< warnings and errors of the sources and the rig
 };
 
 /// Called after each pair. `expected`: number of pairs in the source, 0 if unknown.
@@ -132,5 +132,8 @@ Trajectory leftCameraTrajectory(const Replay& replay);
 /// Poses of the cart's body, relative to the first pair's. Omits pairs that are not later than the previous
 /// one (the camera's clock was set back).
 Trajectory bodyTrajectory(const Replay& replay);
+
+/// The frame of bodyTrajectory(): the body only if the rig says how the cameras sit on it.
+TrajectoryFrame bodyTrajectoryFrame(const Replay& replay);
 
 }  // namespace cartvo

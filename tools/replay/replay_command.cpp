@@ -193,8 +193,8 @@ void run(Options& options) {
     summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
     summary["consistency"] = consistencyJson(consistencyWithTruth(replay, *truth, options.truth));
   }
-  writeKitti(output / "poses.txt", leftCameraTrajectory(replay), TrajectoryFrame::left_camera);
-  writeTum(output / "trajectory.tum", bodyTrajectory(replay), TrajectoryFrame::body);
+  writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
+  writeTum(output / "trajectory.tum", bodyTrajectory(replay), bodyTrajectoryFrame(replay));
   writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeResultFile(output / "odometry.csv", odometryCsv(replay));
   writeResultFile(output / "timing.csv", timingCsv(replay));

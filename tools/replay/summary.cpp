@@ -223,6 +223,8 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
                  {"image_size", {rig.left.size.width, rig.left.size.height}},
                  {"baseline_m", rig.baseline()},
                  {"T_body_camera", bodyFromCameraJson(rig)}};
+  json["poses_of"] = {{"poses.txt", frameName(TrajectoryFrame::left_camera)},
+                      {"trajectory.tum", frameName(bodyTrajectoryFrame(replay))}};
   json["estimator"] = daemon::nameOf(settings.odometry.estimator, daemon::kEstimators);
   json["online_rig_refinement"] = daemon::nameOf(settings.odometry.rig_refinement, daemon::kRigRefinements);
   json["features"] = settings.odometry.features;

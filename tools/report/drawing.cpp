@@ -111,6 +111,23 @@ std::string Drawing::svgElements(const ColourNames& colours) const {
   return svg;
 }
 
+void Drawing::addBelow(const Drawing& other) {
+  const cv::Point2d shift(0.0, height_);
+  const auto shift_all = [&](std::vector<cv::Point2d>& points) {
+    for (cv::Point2d& point : points)
+      point += shift;
+  };
+  const Overloaded move{
+      [&](Line& line) { shift_all(line.points); }, [&](Area& area) { shift_all(area.points); },
+      [&](Circle& circle) { circle.centre += shift; }, [&](Text& text) { text.at += shift; }};
+  for (auto element : other.elements_) {
+    std::visit(move, element);
+    elements_.push_back(std::move(element));
+  }
+  width_ = std::max(width_, other.width_);
+  height_ += other.height_;
+}
+
 std::string Drawing::svg() const {
   return format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "

@@ -47,6 +47,9 @@ class Drawing {
   /// Text with its baseline at `at`.
   void addText(cv::Point2d at, TextAnchor anchor, std::string letters, DrawingColour colour = {});
 
+  /// Enlarges this drawing by another one below it.
+  void addBelow(const Drawing& other);
+
   std::string svg() const;
   /// SVG element for an HTML page: without a background, with `title` for screen readers, and with the page's
   /// colours where they have a name.

@@ -110,8 +110,7 @@ void writeDescription(const fs::path& folder, const ContentDescription& drive) {
   writeResultFile(folder / "times_0.txt", left_times);
   writeResultFile(folder / "times_1.txt", right_times);
   const Trajectory truth = drive.truth();
-  if (!truth.empty())
-    writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig), TrajectoryFrame::left_camera);
+  if (!truth.empty()) writeKitti(folder / "poses.txt", cameraTrajectory(truth, rig));
 }
 
 void writeTruth(const fs::path& folder, const ContentDescription& drive, std::int64_t epoch_ns) {

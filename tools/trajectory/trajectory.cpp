@@ -223,13 +223,8 @@ StampedPose readRow(const Rows& read, const Row& row, std::size_t index) {
 /// The start of the first line of a file that states its frame.
 std::string frameText(TrajectoryFrame frame) {
   const char* axes =
-      frame == TrajectoryFrame::body ? " (x forward, y left, z up)" : " (x right, y down, z forward)";
+      frame == TrajectoryFrame::left_camera ? " (x right, y down, z forward)" : " (x forward, y left, z up)";
   return std::string("# poses of ") + frameName(frame) + axes;
-}
-
-/// The first line of a file.
-std::string firstLine(TrajectoryFrame frame, const char* columns) {
-  return (frame == TrajectoryFrame::unknown ? "# " : frameText(frame) + ": ") + columns + "\n";
 }
 
 }  // namespace
@@ -238,6 +233,8 @@ const char* frameName(TrajectoryFrame frame) {
   switch (frame) {
     case TrajectoryFrame::left_camera:
       return "the left camera";
+    case TrajectoryFrame::unmounted_camera:
+      return "the left camera, mount unknown";
     case TrajectoryFrame::body:
       return "the cart's body";
     case TrajectoryFrame::unknown:
@@ -248,10 +245,11 @@ const char* frameName(TrajectoryFrame frame) {
 
 TrajectoryFrame frameOf(const std::filesystem::path& file) {
   const std::string text = readInputText(file, kMaxFileBytes);
-  for (const TrajectoryFrame frame : {TrajectoryFrame::left_camera, TrajectoryFrame::body}) {
+  for (const TrajectoryFrame frame :
+       {TrajectoryFrame::left_camera, TrajectoryFrame::unmounted_camera, TrajectoryFrame::body}) {
     if (text.starts_with(frameText(frame))) return frame;
   }
-  return TrajectoryFrame::unknown;
+  return isKittiTrajectory(file) ? TrajectoryFrame::left_camera : TrajectoryFrame::unknown;
 }
 
 Trajectory readTrajectory(const std::filesystem::path& file) {
@@ -273,7 +271,8 @@ bool isKittiTrajectory(const std::filesystem::path& file) {
 }
 
 void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
-  std::string text = firstLine(frame, "seconds x y z qx qy qz qw");
+  std::string text =
+      (frame == TrajectoryFrame::unknown ? "# " : frameText(frame) + ": ") + "seconds x y z qx qy qz qw\n";
   char row[256];
   for (const auto& [time_ns, pose] : trajectory) {
     const Eigen::Quaterniond q(pose.linear());
@@ -289,9 +288,8 @@ void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, T
   writeResultFile(file, text);
 }
 
-void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
+void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory) {
   std::string text;
-  if (frame != TrajectoryFrame::unknown) text = firstLine(frame, "3x4 matrix, row by row");
   char word[32];
   for (const auto& [time_ns, pose] : trajectory) {
     for (int element = 0; element < 12; ++element) {

@@ -19,14 +19,16 @@ using Trajectory = std::vector<StampedPose>;
 /// The frame whose poses a file has.
 enum class TrajectoryFrame : std::uint8_t {
   unknown,
-  left_camera,  ///< x right, y down, z forward
-  body,         ///< x forward, y left, z up
+  left_camera,       ///< x right, y down, z forward
+  unmounted_camera,  ///< the left camera in the axes of a body that it looks forward from
+  body,              ///< x forward, y left, z up
 };
 
 /// Such as "the left camera".
 const char* frameName(TrajectoryFrame frame);
 
-/// The frame that the file's first line states, if cartvo wrote it.
+/// The frame that the file's first line states, if cartvo wrote it. Rows of KITTI are by definition poses of
+/// the left camera, unless a first line states another frame.
 TrajectoryFrame frameOf(const std::filesystem::path& file);
 
 /// Reads a trajectory; blanks or commas separate the numbers of a row, and '#' begins a comment:
@@ -47,10 +49,9 @@ bool isKittiTrajectory(const std::filesystem::path& file);
 void writeTum(const std::filesystem::path& file, const Trajectory& trajectory,
               TrajectoryFrame frame = TrajectoryFrame::unknown);
 
-/// Writes KITTI format: a 3x4 matrix per row, without times. If the frame is known, the first
-/// line, a comment, states it.
-void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory,
-                TrajectoryFrame frame = TrajectoryFrame::unknown);
+/// Writes KITTI format: a 3x4 matrix per row, without times. KITTI's devkit reads no comments, so there is
+/// none.
+void writeKitti(const std::filesystem::path& file, const Trajectory& trajectory);
 
 /// Writes EuRoC's format: ns x y z qw qx qy qz, separated by commas, without the velocity and the biases of
 /// its ground truth. The first line, a comment, names the columns. readTrajectory reads it back if the

@@ -10,11 +10,13 @@
 #include "common/units.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/tools/paths.hpp"
 #include "support/tools/run_cartvo.hpp"
+#include "tools/evaluate/alignment.hpp"
 #include "tools/evaluate/association.hpp"
 #include "tools/evaluate/axes_alignment.hpp"
 #include "tools/evaluate/evaluation.hpp"
-#include "tools/evaluate/plot.hpp"
+#include "tools/evaluate/figures.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace cartvo {
@@ -23,39 +25,11 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kPeriod = 100'000'000;  // ns
-
-StampedPose poseAt(int index, const Eigen::Vector3d& position, double yaw) {
-  StampedPose stamped;
-  stamped.time_ns = index * kPeriod;
-  stamped.pose.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  stamped.pose.translation() = position;
-  return stamped;
-}
-
-/// Straight path along x, `step` metres between poses.
-Trajectory straight(int poses, double step) {
-  Trajectory trajectory;
-  for (int i = 0; i < poses; ++i)
-    trajectory.push_back(poseAt(i, {i * step, 0.0, 0.0}, 0.0));
-  return trajectory;
-}
-
-/// Circular path at constant speed, heading along it.
-Trajectory circle(int poses, double radius, double step) {
-  Trajectory trajectory;
-  for (int i = 0; i < poses; ++i) {
-    const double angle = i * step / radius;
-    trajectory.push_back(poseAt(i, {radius * std::sin(angle), radius * (1.0 - std::cos(angle)), 0.0}, angle));
-  }
-  return trajectory;
-}
-
-Trajectory scaled(Trajectory trajectory, double scale) {
-  for (StampedPose& stamped : trajectory)
-    stamped.pose.translation() *= scale;
-  return trajectory;
-}
+using test::circle;
+using test::kPeriod;
+using test::poseAt;
+using test::scaled;
+using test::straight;
 
 TEST(Evaluation, PerfectEstimateHasNoError) {
   const Trajectory truth = circle(1200, 30.0, 1.0);
@@ -247,10 +221,13 @@ TEST(Association, OfFilesIsByTimeForTumAndByRowsForKitti) {
   writeTum(folder / "estimate.tum", straight(40, 1.0));
   writeKitti(folder / "estimate.txt", straight(40, 1.0));
   writeKitti(folder / "truth.txt", straight(40, 1.0));
-  EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.tum").method, AssociationMethod::time);
-  EXPECT_EQ(associateFiles(folder / "estimate.txt", folder / "truth.txt").method, AssociationMethod::rows);
-  EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.txt").method, AssociationMethod::rows);
-  EXPECT_THAT(test::messageOf([&] { associateFiles(folder / "estimate.txt", folder / "truth.tum"); }),
+  EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.tum", {}).method,
+            AssociationMethod::time);
+  EXPECT_EQ(associateFiles(folder / "estimate.txt", folder / "truth.txt", {}).method,
+            AssociationMethod::rows);
+  EXPECT_EQ(associateFiles(folder / "estimate.tum", folder / "truth.txt", {}).method,
+            AssociationMethod::rows);
+  EXPECT_THAT(test::messageOf([&] { associateFiles(folder / "estimate.txt", folder / "truth.tum", {}); }),
               HasSubstr((folder / "truth.tum").string()));
 }
 
@@ -301,32 +278,40 @@ TEST(EvaluationReport, AsksAboutTheFrameIfTheAxesDiffer) {
 TEST(Association, RefusesFilesThatStateDifferentFrames) {
   const test::TemporaryFolder folder;
   writeTum(folder / "trajectory.tum", straight(50, 1.0), TrajectoryFrame::body);
-  writeKitti(folder / "poses.txt", straight(50, 1.0), TrajectoryFrame::left_camera);
+  writeKitti(folder / "poses.txt", straight(50, 1.0));
   writeTum(folder / "camera.tum", straight(50, 1.0), TrajectoryFrame::left_camera);
   EXPECT_THAT(
-      test::messageOf([&] { associateFiles(folder / "trajectory.tum", folder / "poses.txt"); }),
+      test::messageOf([&] { associateFiles(folder / "trajectory.tum", folder / "poses.txt", {}); }),
       ::testing::AllOf(HasSubstr("trajectory.tum has poses of the cart's body"),
                        HasSubstr("poses.txt of the left camera"), HasSubstr("files of the same frame")));
-  EXPECT_EQ(associateFiles(folder / "camera.tum", folder / "poses.txt").method, AssociationMethod::rows);
+  EXPECT_EQ(associateFiles(folder / "camera.tum", folder / "poses.txt", {}).method, AssociationMethod::rows);
 }
 
-TEST(Plot, ShowsBothPathsInTheirColours) {
+ReportInput inputOf(const AssociatedTrajectories& associated) {
+  ReportInput input;
+  input.associated = associated;
+  input.evaluation = evaluate(associated);
+  return input;
+}
+
+TEST(Plot, ShowsAllPathsInTheirColours) {
   const Trajectory truth = circle(300, 20.0, 0.5);
-  const cv::Mat plot =
-      plotTrajectories(associateByRows(scaled(truth, 1.1), truth), TopView::body_axes).picture();
+  const ReportInput one = inputOf(associateByRows(scaled(truth, 1.1), truth)),
+                    other = inputOf(associateByRows(scaled(truth, 0.9), truth));
+  const cv::Mat plot = evaluationPlot({one, other}).picture();
   const auto pixels_near = [&](const cv::Scalar& colour) {
     cv::Mat mask;
     cv::inRange(plot, colour - cv::Scalar::all(12), colour + cv::Scalar::all(12), mask);
     return cv::countNonZero(mask);
   };
   EXPECT_EQ(plot.type(), CV_8UC3);
-  EXPECT_GT(pixels_near({190, 90, 20}), 1000);    // the estimate
-  EXPECT_GT(pixels_near({120, 110, 100}), 1000);  // the truth
+  EXPECT_GT(pixels_near({178, 114, 0}), 300);  // an estimate
+  EXPECT_GT(pixels_near({0, 159, 230}), 300);  // the other
+  EXPECT_GT(pixels_near({34, 34, 34}), 300);   // the truth
 }
 
 TEST(Plot, DrawsStandstill) {
-  EXPECT_NO_THROW(
-      plotTrajectories(associateByRows(straight(5, 0.0), straight(5, 0.0)), TopView::camera_axes));
+  EXPECT_NO_THROW(evaluationPlot({inputOf(associateByRows(straight(5, 0.0), straight(5, 0.0)))}));
 }
 
 }  // namespace

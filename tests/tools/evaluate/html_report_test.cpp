@@ -102,13 +102,13 @@ std::vector<std::string> namesOf(const std::vector<Figure>& figures) {
 
 TEST(EvaluationFigures, AreOfPathErrorsSegmentsAndMotion) {
   const ReportInput input = inputOf(truthOf(200));
-  EXPECT_THAT(namesOf(evaluationFigures(input)),
+  EXPECT_THAT(namesOf(evaluationFigures({input})),
               testing::ElementsAre("trajectory", "error-over-distance", "error-over-time", "segments",
                                    "velocities", "rates", "nees", "velocity-bounds", "rate-bounds"));
   ReportInput rows = input;
   rows.associated.method = AssociationMethod::rows;
   rows.messages.clear();
-  EXPECT_THAT(namesOf(evaluationFigures(rows)),
+  EXPECT_THAT(namesOf(evaluationFigures({rows})),
               testing::ElementsAre("trajectory", "error-over-distance", "segments"));
 }
 
@@ -124,15 +124,18 @@ TEST(EvaluationFigures, CountTheTimeOfErrorsFromTheFirstMessageAlsoIfTheTruthBeg
   Trajectory& estimate = input.associated.estimate;
   estimate.erase(estimate.begin(), estimate.begin() + 100);
   input.associated.truth = estimate;
-  const Figure over_time = evaluationFigures(input)[2];
+  const Figure over_time = evaluationFigures({input})[2];
   ASSERT_EQ(over_time.name, "error-over-time");
   EXPECT_DOUBLE_EQ(over_time.chart.panels[0].series[0].points.front().x, 5.0);
 }
 
 TEST(EvaluationPage, HasEachFigureWithItsNumbersAndNeedsNoOtherFile) {
-  const ReportInput input = inputOf(truthOf(200));
-  const std::vector<Figure> figures = evaluationFigures(input);
-  const std::string page = evaluationPage({"a<b.tum", "truth.tum", "odometry.csv"}, input, figures);
+  ReportInput input = inputOf(truthOf(200));
+  input.estimate = "a<b.tum";
+  const std::vector<Figure> figures = evaluationFigures({input});
+  const std::string page = evaluationPage({"truth.tum", "2026-01-02", {"rig KITTI"}}, {input}, figures);
+  EXPECT_THAT(page, AllOf(HasSubstr("2026-01-02"), HasSubstr("rig KITTI"), HasSubstr("class=\"tiles\""),
+                          HasSubstr("The stated deviation of the pose in its epoch is")));
   for (const Figure& figure : figures)
     EXPECT_THAT(page, HasSubstr("<figure id=\"" + figure.name + "\">"));
   EXPECT_THAT(page, AllOf(HasSubstr("a&lt;b.tum"), HasSubstr("2 not valid: 2 too few matches"),
@@ -142,6 +145,28 @@ TEST(EvaluationPage, HasEachFigureWithItsNumbersAndNeedsNoOtherFile) {
                           Not(HasSubstr("nan")), Not(HasSubstr("url("))));
 }
 
+TEST(EvaluationFigures, HaveNoPanelWithoutAValue) {
+  ReportInput input = inputOf(truthOf(40));
+  for (ComparedMessage& message : input.messages)
+    message.pose_nees.reset();
+  for (const Figure& figure : evaluationFigures({input})) {
+    if (figure.name == "nees") {
+      EXPECT_EQ(figure.chart.panels.size(), 1U);
+      EXPECT_THAT(figure.caption, HasSubstr("Of the pose in its epoch there is no value"));
+    }
+  }
+}
+
+TEST(EvaluationPage, OfSeveralEstimatesHasOneTable) {
+  ReportInput one = inputOf(truthOf(200)), other = one;
+  one.estimate = "one.tum";
+  other.estimate = "other.tum";
+  const std::vector<ReportInput> inputs{one, other};
+  const std::string page = evaluationPage({"truth.tum", "2026-01-02", {}}, inputs, evaluationFigures(inputs));
+  EXPECT_THAT(page, AllOf(HasSubstr("<td>one.tum</td>"), HasSubstr("<td>other.tum</td>"),
+                          Not(HasSubstr("<figure id=\"nees\">"))));
+}
+
 TEST(EvaluationPage, OfAStandstillHasNoSegments) {
   Trajectory truth = truthOf(5);
   for (StampedPose& stamped : truth)
@@ -149,14 +174,14 @@ TEST(EvaluationPage, OfAStandstillHasNoSegments) {
   ReportInput input;
   input.associated = associateByTime(truth, truth);
   input.evaluation = evaluate(input.associated);
-  const std::string page = evaluationPage({"a.tum", "b.tum", {}}, input, evaluationFigures(input));
+  const std::string page = evaluationPage({"b.tum", "2026-01-02", {}}, {input}, evaluationFigures({input}));
   EXPECT_THAT(page,
               AllOf(HasSubstr("the path is too short"), HasSubstr("--odometry"), Not(HasSubstr("nan"))));
 }
 
 TEST(WriteFigures, WritesSvgAndPng) {
   const test::TemporaryFolder folder;
-  writeFigures(folder.path(), evaluationFigures(inputOf(truthOf(40))));
+  writeFigures(folder.path(), evaluationFigures({inputOf(truthOf(40))}));
   for (const char* name : {"trajectory.svg", "trajectory.png", "nees.svg", "velocities.png"})
     EXPECT_TRUE(std::filesystem::is_regular_file(folder / name)) << name;
 }
@@ -239,7 +264,7 @@ TEST(ComparedMessages, NeedTheMountForATruthOfTheCamera) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "odometry.csv") << odometryText("1", "0");
   std::ofstream(folder / "truth.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n";
-  const auto compare = [&] { compareMessages(folder / "odometry.csv", folder / "truth.txt"); };
+  const auto compare = [&] { compareMessages(folder / "odometry.csv", folder / "truth.txt", 0); };
   EXPECT_THAT(test::messageOf(compare), HasSubstr("summary.json"));
   std::ofstream(folder / "summary.json") << "{\"rig\": {\"T_body_camera\": [1, 2]}}";
   EXPECT_THAT(test::messageOf(compare), HasSubstr("T_body_camera"));

@@ -64,12 +64,17 @@ TEST(Trajectory, KittiFormatKeepsPosesAndUsesRowIndexAsTime) {
 TEST(Trajectory, FirstLineStatesTheFrame) {
   const test::TemporaryFolder folder;
   writeTum(folder / "body.tum", helix(), TrajectoryFrame::body);
-  writeKitti(folder / "camera.txt", helix(), TrajectoryFrame::left_camera);
-  writeKitti(folder / "unknown.txt", helix());
+  writeTum(folder / "camera.tum", helix(), TrajectoryFrame::left_camera);
+  writeTum(folder / "unmounted.tum", helix(), TrajectoryFrame::unmounted_camera);
+  writeKitti(folder / "kitti.txt", helix());
+  write(folder / "stated.txt",
+        "# poses of the cart's body (x forward, y left, z up): rows\n1 0 0 0 0 1 0 0 0 0 1 0\n");
   write(folder / "other.tum", "# seconds x y z qx qy qz qw\n0 0 0 0 0 0 0 1\n");
   EXPECT_EQ(frameOf(folder / "body.tum"), TrajectoryFrame::body);
-  EXPECT_EQ(frameOf(folder / "camera.txt"), TrajectoryFrame::left_camera);
-  EXPECT_EQ(frameOf(folder / "unknown.txt"), TrajectoryFrame::unknown);
+  EXPECT_EQ(frameOf(folder / "camera.tum"), TrajectoryFrame::left_camera);
+  EXPECT_EQ(frameOf(folder / "unmounted.tum"), TrajectoryFrame::unmounted_camera);
+  EXPECT_EQ(frameOf(folder / "kitti.txt"), TrajectoryFrame::left_camera) << "by definition";
+  EXPECT_EQ(frameOf(folder / "stated.txt"), TrajectoryFrame::body) << "as earlier releases wrote it";
   EXPECT_EQ(frameOf(folder / "other.tum"), TrajectoryFrame::unknown);
 }
 

@@ -314,7 +314,7 @@ TEST(ReplayOfRecording, MatchesTruthWithRigAndTimesOfRecording) {
   EXPECT_EQ(replay.kind, capture::SourceKind::recording);
   EXPECT_EQ(replay.rig.rig.name, "KITTI");
   EXPECT_EQ(replay.rig.origin, (folder / "drive/recording.json").string());
-  EXPECT_TRUE(replay.problems.empty());
+  EXPECT_EQ(replay.problems, std::vector<std::string>{calib::kNoMountText});
   ASSERT_EQ(replay.pairs.size(), static_cast<std::size_t>(kRecorded));
   EXPECT_EQ(replay.pairs[2].exposure_ns, 1'700'000'000'200'000'000);
   Trajectory truth = readTrajectory(sequence / "poses.txt");

@@ -24,8 +24,8 @@ EurocCamera readCamera(const std::filesystem::path& file) {
   camera.model.size = readImageSize(yaml["resolution"]);
   readIntrinsics(yaml["intrinsics"], camera.model);
   const std::string model = yaml["distortion_model"].text();
-  if (model != "radial-tangential" && model != "equidistant")
-    yaml["distortion_model"].failExpecting("radial-tangential or equidistant");
+  if (model != "radial-tangential" && model != "radtan" && model != "equidistant")  // radtan: Kimera-VIO
+    yaml["distortion_model"].failExpecting("radial-tangential, radtan or equidistant");
   if (model == "equidistant") camera.model.lens = LensModel::wide;
   setDistortion(yaml["distortion_coefficients"].numbers(), yaml["distortion_coefficients"], camera.model);
   camera.T_BS = transformFrom(readMatrix(yaml["T_BS"], 16), yaml["T_BS"]);

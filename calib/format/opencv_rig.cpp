@@ -41,12 +41,19 @@ class OpenCvFiles {
     return std::nullopt;
   }
 
-  /// The value of the first of `names` with `number` behind it that exists. Throws if none does.
+  /// The value of the first of `names` with `number` behind it that exists; nothing if none does.
+  template <typename Names>
+  std::optional<StrictYaml> findNumbered(const Names& names, const std::string& number) const {
+    for (const char* const name : names) {
+      if (auto value = find(name + number)) return value;
+    }
+    return std::nullopt;
+  }
+
+  /// As findNumbered. Throws if none exists.
   template <typename Names>
   StrictYaml require(const Names& names, const std::string& number) const {
-    for (const char* const name : names) {
-      if (auto value = find(name + number)) return *value;
-    }
+    if (const auto value = findNumbered(names, number)) return *value;
     return files_.back()[names.front() + number];  // throws
   }
 
@@ -54,19 +61,58 @@ class OpenCvFiles {
   const std::vector<StrictYaml>& files_;
 };
 
-/// Throws std::runtime_error for four coefficients that may be those of cv::fisheye (k1 k2 k3 k4) as well as
-/// Brown's (k1 k2 p1 p2): p1 or p2 would be large, or a wide-angle lens would have no distortion.
-void refuseAmbiguousLens(const std::vector<double>& D, const StrictYaml& yaml, const CameraModel& camera) {
-  constexpr double kMaxTangential = 0.01, kMinWideDistortion = 0.1;
-  constexpr double kWide = 0.5;  // focal length relative to the width: a field of view of 90 degrees
-  if (D.size() != 4) return;
-  const bool is_tilted = std::abs(D[2]) > kMaxTangential || std::abs(D[3]) > kMaxTangential;
-  const bool is_too_straight =
-      camera.fx < kWide * camera.size.width && std::abs(D[0]) < kMinWideDistortion && D[0] != 0.0;
-  if (!is_tilted && !is_too_straight) return;
-  yaml.fail("has four coefficients " + exactText(D) +
-            ", which may be k1 k2 p1 p2 of Brown's model or k1 k2 k3 k4 of cv::fisheye: add the line "
-            "'fisheye_model: 0' or 'fisheye_model: 1' to the file");
+bool containsAny(std::string text, std::initializer_list<const char*> words) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return std::any_of(words.begin(), words.end(),
+                     [&text](const char* word) { return text.find(word) != std::string::npos; });
+}
+
+/// The lens model that the files name; nothing if they name none. Throws for a model that is not read.
+std::optional<LensModel> namedLens(const OpenCvFiles& files) {
+  if (const auto xi = files.findAny({"xi", "xi1", "xi2"}))
+    xi->fail(
+        "belongs to an omnidirectional lens (cv::omnidir), which is not read; calibrate with cv::fisheye");
+  if (const auto flag = files.find("fisheye_model"))
+    return flag->integer(0, 1) == 1 ? LensModel::wide : LensModel::brown;
+  // Kalibr's "pinhole" may have equidistant distortion: the distortion's name is read first.
+  const auto name = files.findAny({"distortion_model", "lens_model", "camera_model", "model_type", "model"});
+  if (!name || !name->isText()) return std::nullopt;
+  if (containsAny(name->text(), {"fisheye", "equidistant", "kannala", "kb4"})) return LensModel::wide;
+  if (containsAny(name->text(), {"pinhole", "brown", "radtan", "radial", "plumb", "rational", "opencv"}))
+    return LensModel::brown;
+  name->failExpecting("a pinhole with Brown's distortion (brown), or cv::fisheye's (fisheye)");
+}
+
+/// Whether four coefficients can only be Brown's k1 k2 p1 p2, not k1 k2 k3 k4 of cv::fisheye: all are zero,
+/// or k1 is below that of an orthographic lens (sin(theta) = theta - theta^3 / 6 + ...), which has the
+/// strongest distortion of all fisheye lenses, and p1 and p2 are those of a lens that is hardly tilted.
+bool isBrown(const std::vector<double>& D) {
+  constexpr double kOrthographic = -1.0 / 6.0, kMaxTangential = 0.01;
+  const bool is_zero = std::all_of(D.begin(), D.end(), [](double value) { return value == 0.0; });
+  return is_zero ||
+         (D[0] < kOrthographic && std::abs(D[2]) <= kMaxTangential && std::abs(D[3]) <= kMaxTangential);
+}
+
+/// The lens model of both cameras: as the files name it; else Brown's unless there are four coefficients,
+/// then by the file's name and the numbers. Throws std::runtime_error that asks for it where nothing tells.
+LensModel lensOf(const OpenCvFiles& files, const std::filesystem::path& name) {
+  constexpr std::size_t kAmbiguous = 4;
+  if (const auto lens = namedLens(files)) return *lens;
+  std::optional<StrictYaml> asked;
+  for (const char* const number : {"1", "2"}) {
+    const std::optional<StrictYaml> yaml = files.findNumbered(kDistortionKeys, number);
+    if (!yaml) continue;
+    const std::vector<double> D = readMatrix(*yaml);
+    if (D.size() != kAmbiguous) return LensModel::brown;
+    if (!isBrown(D) && !asked) asked = yaml;
+  }
+  if (!asked) return LensModel::brown;
+  if (containsAny(name.filename().string(), {"fisheye", "kannala"})) return LensModel::wide;
+  asked->fail(
+      "has four coefficients " + exactText(readMatrix(*asked)) +
+      ", which may be k1 k2 p1 p2 of Brown's model or k1 k2 k3 k4 of cv::fisheye: add to the file the key "
+      "fisheye_model with the value 0 (Brown) or 1 (cv::fisheye), in YAML the line 'fisheye_model: 1'");
 }
 
 CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::Size size, LensModel lens) {
@@ -76,9 +122,7 @@ CameraModel readCamera(const OpenCvFiles& files, const std::string& number, cv::
   const StrictYaml matrix = files.require(kCameraMatrixKeys, number);
   setCameraMatrix(readMatrix(matrix, 9), matrix, camera);
   const StrictYaml distortion = files.require(kDistortionKeys, number);
-  const std::vector<double> D = readMatrix(distortion);
-  if (!files.find("fisheye_model")) refuseAmbiguousLens(D, distortion, camera);
-  setDistortion(D, distortion, camera);
+  setDistortion(readMatrix(distortion), distortion, camera);
   return camera;
 }
 
@@ -137,8 +181,7 @@ Rig parseOpenCvRig(const std::vector<StrictYaml>& yaml_files, const std::filesys
                    std::optional<cv::Size> image_size) {
   const OpenCvFiles files(yaml_files);
   const cv::Size size = readSize(files, image_size);
-  const std::optional<StrictYaml> fisheye = files.find("fisheye_model");
-  const LensModel lens = fisheye && fisheye->integer(0, 1) == 1 ? LensModel::wide : LensModel::brown;
+  const LensModel lens = lensOf(files, name);
   Rig rig;
   rig.name = name.stem().string();
   rig.left = readCamera(files, "1", size, lens);

@@ -20,10 +20,11 @@ bool isOpenCvRig(const StrictYaml& yaml);
 /// the left camera's axes to the right's, T in metres. Each file has some of them: OpenCV's sample
 /// stereo_calib writes intrinsics.yml and extrinsics.yml. The image size is `image_size`, `imageSize`, or
 /// `image_width` and `image_height`, or the given one. With `fisheye_model: 1` (as OpenCV's calibration
-/// sample writes it) the distortion is that of cv::fisheye. P2, if it is there, must agree with T. Other keys
-/// are derived from these, and ignored; thin-prism and tilt coefficients must be zero. T_body_camera is
-/// forwardLookingMount(). The rig gets the stem of `name` as its name; error messages name the file `name`.
-/// Throws std::runtime_error naming file, line, key and what was expected.
+/// sample writes it), or a model's name such as `distortion_model: equidistant`, the distortion is that of
+/// cv::fisheye; without either, four coefficients that may be those of both models are refused. P2, if it is
+/// there, must agree with T. Other keys are derived from these, and ignored; thin-prism and tilt coefficients
+/// must be zero. T_body_camera is forwardLookingMount(). The rig gets the stem of `name` as its name; error
+/// messages name the file `name`. Throws std::runtime_error naming file, line, key and what was expected.
 Rig parseOpenCvRig(const std::vector<StrictYaml>& files, const std::filesystem::path& name,
                    std::optional<cv::Size> image_size = {});
 

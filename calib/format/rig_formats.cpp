@@ -9,11 +9,11 @@
 #include "calib/format/kitti_rig.hpp"
 #include "calib/format/matlab_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
+#include "calib/format/other_rigs.hpp"
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_parts.hpp"
 #include "calib/format/ros_rig.hpp"
 #include "calib/model/rig_validation.hpp"
-#include "common/input_file.hpp"
 #include "common/strict_yaml.hpp"
 
 namespace cartvo::calib {
@@ -21,55 +21,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kKnownFormats =
-    "cartvo's rig.yaml (key cartvo_rig), an OpenCV FileStorage (K1 or M1, D1, K2, D2, R, T; also in two "
-    "files), a "
-    "Kalibr or OpenVINS camchain (cam0), MATLAB's stereoParameters as JSON (CameraParameters1), KITTI's "
-    "calib.txt "
-    "(P0) or calib_cam_to_cam.txt (P_rect_00), two ROS camera_info files (camera_matrix), two EuRoC "
-    "sensor.yaml "
-    "(T_BS)";
-
-/// Throws std::runtime_error for files that are no text, with the way to make one.
-void requireText(const fs::path& file) {
-  constexpr std::uintmax_t kMaxBytes = 64U << 20U;
-  const std::string bytes = readInputFile(file, kMaxBytes);
-  if (bytes.starts_with("MATLAB 5.0 MAT-file") || file.extension() == ".mat") {
-    throw std::runtime_error(
-        file.string() +
-        ": is MATLAB's binary format. Write the parameters as JSON in MATLAB, with the lines in "
-        "cartvo-calibrate-convert(1): s = struct(stereoParams) ... jsonencode(s)");
-  }
-  if (withoutByteOrderMark(bytes).find('\0') == std::string::npos) return;
-  throw std::runtime_error(file.string() + ": is a binary file; expected " + kKnownFormats);
-}
-
 Rig readOneFile(const fs::path& file, const RigReading& reading) {
-  requireText(file);
   const StrictYaml yaml = readYamlOrXml(file);
   if (yaml.has("cartvo_rig")) return parseCartvoRig(yaml, file.parent_path());
   if (isKittiRig(yaml) && !isOpenCvRig(yaml))
     return parseKittiRig(yaml, file, reading.image_size, reading.cameras);
   if (const std::optional<Rig> rig = parseForeignRig(yaml, file, reading.image_size)) return *rig;
-  if (yaml.has("T_BS") || yaml.has("camera_matrix")) {
+  if (yaml.has("T_BS") || isRosCamera(yaml)) {
     throw std::runtime_error(file.string() +
                              ": holds one camera only: give the left and the right camera's file");
   }
-  throw std::runtime_error(file.string() + ": is in none of the known formats: " + kKnownFormats);
+  throw std::runtime_error(file.string() + ": is in none of the known formats: " + kKnownRigFormats);
 }
 
 Rig readTwoFiles(const fs::path& first, const fs::path& second, const RigReading& reading) {
-  requireText(first);
-  requireText(second);
   const StrictYaml yaml = readYamlOrXml(first), other = readYamlOrXml(second);
   if (yaml.has("T_BS")) return readEurocRig(first, second);
   if (isOpenCvRig(yaml) && isOpenCvRig(other))
     return parseOpenCvRig({yaml, other}, first, reading.image_size);
-  if (yaml.has("camera_matrix")) return readRosRig(first, second);
+  if (isRosCamera(yaml)) return readRosRig(first, second);
   throw std::runtime_error(first.string() + " and " + second.string() +
                            ": two files are OpenCV's intrinsics (K1 or M1) and extrinsics (R, T), or the "
                            "left and the right camera's: "
-                           "EuRoC's sensor.yaml (T_BS) or ROS' camera_info (camera_matrix)");
+                           "EuRoC's sensor.yaml (T_BS) or ROS' camera_info (camera_matrix or K)");
 }
 
 Rig readAnyFiles(const std::vector<fs::path>& files, const RigReading& reading) {

@@ -2,13 +2,15 @@
 #include "calib/format/rig_parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
 
-#include "calib/format/rig_file.hpp"
+#include "calib/format/other_rigs.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
 #include "common/exact_text.hpp"
@@ -42,9 +44,36 @@ std::string yamlFromXml(const std::string& xml) {
       yaml << key << static_cast<int>(node);
     } else if (node.isReal()) {
       yaml << key << static_cast<double>(node);
+    } else if (node.isString()) {
+      yaml << key << static_cast<std::string>(node);
     }
   }
   return yaml.releaseAndGetString();
+}
+
+/// The first one of several messages that 'rostopic echo' printed, which '---' separates: a camera's
+/// camera_info is always the same. Other text as it is.
+std::string firstMessage(std::string text) {
+  const std::size_t end = text.find("\n---");
+  const bool is_message = end != std::string::npos && text.find("\ndistortion_model:") < end;
+  if (is_message) text.resize(end + 1);
+  return text;
+}
+
+/// The text as YAML. An error of the parser is that of a rig's YAML only if one of the known keys is there.
+StrictYaml parseYaml(const std::string& text, const std::filesystem::path& file) {
+  constexpr std::array kKeys{
+      "cartvo_rig", "K1", "M1",       "cameraMatrix1", "cam0",          "CameraParameters1",
+      "P0",         "P2", "P_rect_0", "T_BS",          "camera_matrix", "distortion_model"};
+  try {
+    return StrictYaml::parse(text, file);
+  } catch (const std::runtime_error& error) {
+    const bool is_known = std::any_of(
+        kKeys.begin(), kKeys.end(), [&text](const char* key) { return text.find(key) != std::string::npos; });
+    if (is_known) throw;
+    throw std::runtime_error(file.string() + ": is in none of the known formats: " + kKnownRigFormats +
+                             "; read as YAML: " + error.what());
+  }
 }
 
 }  // namespace
@@ -60,9 +89,14 @@ Rig importedRig(Rig rig, const std::filesystem::path& file) {
 }
 
 StrictYaml readYamlOrXml(const std::filesystem::path& file) {
-  constexpr std::uintmax_t kMaxBytes = 1U << 20U;
-  const std::string text = readInputText(file, kMaxBytes);
-  if (!text.starts_with("<?xml")) return StrictYaml::parse(text, file);
+  constexpr std::uintmax_t kMaxBytes = 64U << 20U;  // of MATLAB's and other binary files, to name them
+  std::string bytes = readInputFile(file, kMaxBytes);
+  refuseOtherRigs(bytes, file);
+  const std::string text = firstMessage(withoutByteOrderMark(std::move(bytes)));
+  constexpr std::size_t kMaxText = 1U << 20U;
+  if (text.size() > kMaxText)
+    throw std::runtime_error(file.string() + ": is larger than 1 MiB; expected " + kKnownRigFormats);
+  if (!text.starts_with("<?xml")) return parseYaml(text, file);
   std::string yaml;
   try {
     yaml = yamlFromXml(text);
@@ -82,6 +116,7 @@ cv::Size readImageSize(const StrictYaml& yaml) {
 }
 
 std::vector<double> readMatrix(const StrictYaml& yaml) {
+  if (yaml.isSequence()) return yaml.numbers();
   const auto rows = yaml["rows"].integer(1, 100);
   const auto columns = yaml["cols"].integer(1, 100);
   return yaml["data"].numbers(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
@@ -89,7 +124,8 @@ std::vector<double> readMatrix(const StrictYaml& yaml) {
 
 std::vector<double> readMatrix(const StrictYaml& yaml, std::size_t count) {
   std::vector<double> values = readMatrix(yaml);
-  if (values.size() != count) yaml["data"].failExpecting(std::to_string(count) + " numbers");
+  if (values.size() != count)
+    (yaml.isSequence() ? yaml : yaml["data"]).failExpecting(std::to_string(count) + " numbers");
   return values;
 }
 

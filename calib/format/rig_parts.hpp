@@ -20,14 +20,15 @@ namespace cartvo::calib {
 /// the file's name if the rig is invalid.
 Rig importedRig(Rig rig, const std::filesystem::path& file);
 
-/// Reads a file of YAML, or of OpenCV's FileStorage in XML, whose values become those of YAML.
+/// Reads a file of YAML, or of OpenCV's FileStorage in XML, whose values become those of YAML. Of several
+/// messages camera_info of ROS it reads the first. Throws what refuseOtherRigs does.
 StrictYaml readYamlOrXml(const std::filesystem::path& file);
 
 /// An image size as [width, height]. MATLAB's is [height, width]: the caller swaps.
 cv::Size readImageSize(const StrictYaml& yaml);
 
-/// The elements of a matrix as OpenCV and ROS write it (a map of rows, cols, data), row by row; the second
-/// form requires `count` of them.
+/// The elements of a matrix as OpenCV and ROS write it (a map of rows, cols, data), or a sequence of numbers
+/// or of rows, row by row; the second form requires `count` of them.
 std::vector<double> readMatrix(const StrictYaml& yaml);
 std::vector<double> readMatrix(const StrictYaml& yaml, std::size_t count);
 

@@ -5,11 +5,19 @@
 
 #include "calib/model/rig.hpp"
 
+namespace cartvo {
+class StrictYaml;
+}  // namespace cartvo
+
 namespace cartvo::calib {
 
-/// Reads the two camera_info files (YAML) of a stereo pair in ROS. Distortion: plumb_bob, rational_polynomial
-/// or equidistant (the wide lens). The relative pose follows from the rectification: R of each camera takes
-/// its axes to the rectified ones, and the right P contains -f * baseline. T_body_camera is
+/// Whether a file is one camera's camera_info: of the calibrator, or a message of the topic.
+bool isRosCamera(const StrictYaml& yaml);
+
+/// Reads the two camera_info of a stereo pair in ROS: the calibrator's files, or messages as 'rostopic echo'
+/// or 'ros2 topic echo' prints them (K D R P or k d r p). Distortion: plumb_bob, rational_polynomial or
+/// equidistant (the wide lens). The relative pose follows from the rectification: R of each camera takes its
+/// axes to the rectified ones, and the right P contains -f * baseline. T_body_camera is
 /// forwardLookingMount(). Throws std::runtime_error naming file, line, key and what was expected.
 Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::path& right_file);
 

@@ -4,11 +4,26 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iostream>
+#include <sstream>
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "common/command_line/terminal.hpp"
 
 namespace cartvo {
+namespace {
+
+/// Columns of --help: those of the terminal, within limits that its two columns need and a reader's eye
+/// follows.
+std::size_t helpColumns() {
+  constexpr std::size_t kLeast = 80, kMost = 120;
+  return std::clamp(terminalColumns(STDOUT_FILENO).value_or(kMost), kLeast, kMost);
+}
+
+}  // namespace
 
 Option Option::required() const {
   return Option(option_->required());
@@ -223,7 +238,10 @@ bool Program::parse(std::vector<std::string> arguments) {
     return true;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) throw CommandLineError(error.what());
-    app_->exit(error);  // prints help or text
+    std::ostringstream text;
+    app_->exit(error, text, text);  // prints help, or the text of a flag
+    const bool is_help = dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr;
+    std::cout << (is_help ? wrapLines(text.str(), helpColumns()) : text.str()) << std::flush;
     return false;
   }
 }

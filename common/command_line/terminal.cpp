@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -13,6 +14,34 @@ namespace {
 bool startsCharacter(char byte) {
   constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;
   return (static_cast<unsigned char>(byte) & kContinuationMask) != kContinuation;
+}
+
+/// Where the text begins that continues a line, see wrapLines.
+std::size_t continuationIndent(const std::string& line, std::size_t columns) {
+  constexpr std::size_t kDeeper = 8;
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t gap = line.find("  ", begin);
+  const std::size_t second = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
+  if (second < 2 * columns / 3) return second;
+  const bool is_first_column = begin > 0 && begin < 2 * kDeeper;
+  return is_first_column ? begin + kDeeper : begin;
+}
+
+/// A line without its line feed, broken as by wrapLines.
+std::string wrapLine(std::string line, std::size_t columns) {
+  const std::size_t indent = continuationIndent(line, columns);
+  std::string wrapped;
+  while (textColumns(line) > columns) {
+    std::size_t end = line.find(' ', indent + 1), next = end;
+    while (next != std::string::npos && textColumns(std::string_view(line).substr(0, next)) <= columns) {
+      end = next;
+      next = line.find(' ', next + 1);
+    }
+    if (end == std::string::npos) break;
+    wrapped += line.substr(0, end) + "\n";
+    line = std::string(indent, ' ') + line.substr(end + 1);
+  }
+  return wrapped + line;
 }
 
 }  // namespace
@@ -53,6 +82,14 @@ std::string cutToColumns(const std::string& text, std::size_t columns) {
     if (startsCharacter(text[end]) && kept-- == 0) break;
   }
   return text.substr(0, end) + std::string(kCut.substr(0, columns));
+}
+
+std::string wrapLines(const std::string& text, std::size_t columns) {
+  std::string wrapped;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    wrapped += wrapLine(line, columns) + "\n";
+  return wrapped;
 }
 
 }  // namespace cartvo

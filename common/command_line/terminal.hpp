@@ -29,4 +29,9 @@ std::size_t textColumns(std::string_view text);
 /// The text, or its start and "..." if it takes more than `columns`.
 std::string cutToColumns(const std::string& text, std::size_t columns);
 
+/// The text with its lines broken at blanks to at most `columns`, a longer word aside. The rest of a line
+/// begins below the line's second column, if it has one (behind several blanks), else eight columns deeper
+/// than a line that is indented by less than sixteen, else as deep as the line.
+std::string wrapLines(const std::string& text, std::size_t columns);
+
 }  // namespace cartvo

@@ -56,9 +56,10 @@ void report(const Options& options, const std::vector<std::string>& files, const
     return;
   }
   for (const std::string& file : files)
-    std::printf("%s\n", file.c_str());
-  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
-               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
+    if (fs::is_regular_file(file)) std::printf("%s\n", file.c_str());  // not behind the data on /dev/stdout
+  std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified, %s\n",
+               rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length,
+               rig.left.lens == calib::LensModel::wide ? "wide lenses (cv::fisheye)" : "Brown's distortion");
 }
 
 void warnOfLostScaleUncertainty(const calib::Rig& rig, calib::RigFormat format) {

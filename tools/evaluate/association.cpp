@@ -86,8 +86,9 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
     throw std::runtime_error(
         "fewer than two poses of the estimate have a truth at their time: the estimate is of " +
         span(estimate) + ", the truth of " + span(truth) +
-        "; check that both are of one drive (each 'cartvo simulate' replaces its truth.tum) and one clock, "
-        "in seconds; --offset of 'cartvo evaluate' adds to the estimate's instants" +
+        "; check that both are of one drive ('cartvo simulate' keeps the truth of an earlier run as "
+        "truth-SECOND.tum) and one clock, in seconds; --offset of 'cartvo evaluate' adds to the estimate's "
+        "instants" +
         (problem.empty() ? "" : ". " + problem));
   }
   if (!problem.empty()) associated.problems.push_back(problem);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -119,6 +120,19 @@ void writeTruth(const fs::path& folder, const ContentDescription& drive, std::in
     return writeResultFile(folder / kTruthFile, shiftedTum(written.at(kTruthFile), epoch_ns));
   const Trajectory truth = drive.denseTruth();
   if (!truth.empty()) writeTum(folder / kTruthFile, shifted(truth, epoch_ns), TrajectoryFrame::body);
+}
+
+std::optional<fs::path> keepEarlierTruth(const fs::path& folder) {
+  const fs::path file = folder / kTruthFile;
+  if (!fs::exists(file)) return std::nullopt;
+  const std::int64_t second = readTrajectory(file).front().time_ns / 1'000'000'000;
+  const fs::path kept = folder / ("truth-" + std::to_string(second) + ".tum");
+  if (fs::exists(kept)) {
+    throw std::runtime_error(file.string() + ": would be replaced, and " + kept.string() +
+                             " exists too; move one of them away, or name another --output-dir");
+  }
+  fs::rename(file, kept);
+  return kept;
 }
 
 void renderFolder(const fs::path& folder, const Content& content, const Progress& progress) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "tools/simulate/content.hpp"
 #include "tools/simulate/stream/encode_content.hpp"
@@ -17,6 +18,11 @@ void writeDescription(const std::filesystem::path& folder, const ContentDescript
 /// Writes truth.tum: T_world_body at the instants of ContentDescription::denseTruth() plus `epoch_ns`. No
 /// file if the truth is unknown.
 void writeTruth(const std::filesystem::path& folder, const ContentDescription& drive, std::int64_t epoch_ns);
+
+/// Renames the truth.tum of an earlier run to truth-SECOND.tum, the Unix time of its first pose, which the
+/// recordings of that run need. Returns the new file; nothing if there is none. Throws std::runtime_error,
+/// and renames nothing, if the file is no such trajectory or the name is taken.
+std::optional<std::filesystem::path> keepEarlierTruth(const std::filesystem::path& folder);
 
 /// Writes an image folder in the KITTI layout: image_0 and image_1 (PNG), the description, truth.tum, and
 /// calib.txt if the rig is rectified. The folder is complete or absent. Throws std::runtime_error if it

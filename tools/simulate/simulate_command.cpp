@@ -153,13 +153,21 @@ CameraPairSettings pairSettings(const SimulateOptions& options) {
           .end = options.loop ? ContentEnd::repeat : ContentEnd::stop};
 }
 
+/// Checks, before anything is rendered, what serving needs.
+void checkService(const SimulateOptions& options) {
+  checkResultFiles({options.output / "cameras.json"});
+  createFolders(options.output);
+  requireFreeAddresses(pairSettings(options));
+}
+
 void serve(const SimulateOptions& options, const ContentDescription& drive,
            const std::shared_ptr<const EncodedPair>& streams) {
   constexpr auto kPollInterval = std::chrono::milliseconds(20);
   constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
   stopOnSignals();
   createFolders(options.output);
-  fs::remove(options.output / "truth.tum");  // that of an earlier run has another epoch
+  if (const auto kept = keepEarlierTruth(options.output))
+    printLine("the ground truth of the earlier run is kept: " + kept->string());
   CameraPairSimulation simulation(streams, pairSettings(options));
   writeDescription(options.output, drive);
   writeCameras(options, drive, simulation);
@@ -260,7 +268,7 @@ void runWorld(const SimulateOptions& options) {
 }
 
 void run(const SimulateOptions& options) {
-  if (options.serves()) checkResultFiles({options.output / "cameras.json"});
+  if (options.serves()) checkService(options);
   if (!options.recording.empty()) {
     if (!options.serves())
       throw std::runtime_error("--recording is encoded already: there is nothing to prepare or to write");

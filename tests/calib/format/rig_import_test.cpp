@@ -36,7 +36,8 @@ void writeFileStorage(const std::filesystem::path& file, const Rig& rig) {
     T.at<double>(i) = rig.T_right_left.translation()[i];
   }
   storage << "K1" << K(rig.left) << "D1" << D(rig.left) << "K2" << K(rig.right) << "D2" << D(rig.right) << "R"
-          << R << "T" << T << "image_size" << rig.left.size << "rms" << 0.2 << "E" << R;
+          << R << "T" << T << "image_size" << rig.left.size << "rms" << 0.2 << "E" << R << "calibration_time"
+          << "Fri 27 Nov 2026 10:00:00 CET";
 }
 
 TEST(OpenCvRig, IsReadFromFileStorage) {
@@ -227,37 +228,117 @@ TEST(OpenCvRig, RefusesSkewAndTransposedMatrices) {
   EXPECT_THAT(with("480, 0, 340, 0, 481, 210, 0, 0, 2"), HasSubstr("K1: expected [fx 0 cx; 0 fy cy; 0 0 1]"));
 }
 
-TEST(OpenCvRig, AsksForTheLensModelOfFourCoefficients) {
-  const test::TemporaryFolder folder;
-  const auto with = [&](const std::string& numbers) {
-    std::string text = openCvText(test::cartRig());
-    for (const char* const key : {"D1:", "D2:"}) {
-      std::size_t begin = text.find("rows: ", text.find(key)) + 6;
-      text[begin] = '4';
-      begin = text.find("data: [", begin) + 7;
-      text.replace(begin, text.find(']', begin) - begin, numbers);
-    }
-    const std::size_t flag = text.find("fisheye_model");
-    text.erase(flag, text.find('\n', flag) + 1 - flag);
-    writeFileAtomically(folder / "stereo.yml", text);
-    return test::messageOf([&] { readRig(folder / "stereo.yml"); });
-  };
-  EXPECT_EQ(with("-0.3, 0.1, 0.0004, -0.0003"), "");
-  EXPECT_THAT(with("-0.03, 0.01, -0.02, 0.004"),
-              HasSubstr("D1: has four coefficients [-0.03, 0.01, -0.02, 0.004], which may be k1 k2 p1 p2"));
+/// A FileStorage whose cameras both have these four coefficients, and the line `more` instead of
+/// fisheye_model.
+std::string withFourCoefficients(const std::string& numbers, const std::string& more = "") {
+  std::string text = openCvText(test::cartRig());
+  for (const char* const key : {"D1:", "D2:"}) {
+    std::size_t begin = text.find("rows: ", text.find(key)) + 6;
+    text[begin] = '4';
+    begin = text.find("data: [", begin) + 7;
+    text.replace(begin, text.find(']', begin) - begin, numbers);
+  }
+  const std::size_t flag = text.find("fisheye_model");
+  return text.replace(flag, text.find('\n', flag) - flag, more);
 }
 
-TEST(RigFiles, NameMatlabsBinaryAndUnknownFormats) {
+TEST(OpenCvRig, AsksForTheLensModelOfFourCoefficients) {
+  const auto message_of = [](const std::string& numbers) {
+    return test::messageOf([&] { parseRig(withFourCoefficients(numbers), "stereo.yml"); });
+  };
+  EXPECT_EQ(message_of("-0.3, 0.1, 0.0004, -0.0003"), "") << "stronger than any fisheye lens";
+  EXPECT_EQ(message_of("0, 0, 0, 0"), "");
+  for (const char* const numbers : {"-0.03, 0.01, -0.02, 0.004", "-0.0312, 0.0061, -0.0058, 0.0011",
+                                    "0.0214, -0.0087, 0.0042, -0.0019", "-0.121, 0.015, -0.009, 0.0021"})
+    EXPECT_THAT(message_of(numbers),
+                AllOf(HasSubstr("D1: has four coefficients ["), HasSubstr("fisheye_model")));
+}
+
+TEST(OpenCvRig, TakesTheLensModelFromNamesInTheFile) {
+  const auto rig_with = [](const std::string& line, const char* name = "stereo.yml") {
+    return parseRig(withFourCoefficients("-0.0312, 0.0061, -0.0058, 0.0011", line), name);
+  };
+  for (const char* const line : {"fisheye_model: 1", "distortion_model: equidistant",
+                                 "camera_model: cv::fisheye", "model_type: KANNALA_BRANDT"})
+    EXPECT_EQ(rig_with(line).left.lens, LensModel::wide) << line;
+  for (const char* const line : {"fisheye_model: 0", "distortion_model: radtan", "camera_model: Pinhole"})
+    EXPECT_EQ(rig_with(line).right.lens, LensModel::brown) << line;
+  EXPECT_EQ(rig_with("", "stereo_Fisheye.yml").left.lens, LensModel::wide);
+  EXPECT_THAT(test::messageOf([&] { rig_with("camera_model: scaramuzza"); }),
+              HasSubstr("camera_model: expected a pinhole with Brown's distortion"));
+  EXPECT_THAT(test::messageOf([&] { rig_with("xi1: 1.2"); }),
+              HasSubstr("xi1: belongs to an omnidirectional lens"));
+}
+
+TEST(OpenCvRig, TakesMatricesAsRowsOfNumbers) {
+  const Rig rig = parseRig(R"({"image_size": [640, 480],
+    "K1": [[500, 0, 320], [0, 501, 240], [0, 0, 1]], "D1": [[-0.3, 0.1, 0.001, 0.0, 0.0]],
+    "K2": [[502, 0, 320], [0, 503, 240], [0, 0, 1]], "D2": [[-0.3, 0.1, 0.001, 0.0, 0.0]],
+    "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "T": [[-0.12], [0], [0]]})",
+                           "stereo.json");
+  EXPECT_EQ(rig.right.fy, 503.0);
+  EXPECT_EQ(rig.T_right_left.translation(), Eigen::Vector3d(-0.12, 0.0, 0.0));
+}
+
+TEST(RigFiles, NameOtherToolsAndUnknownFormats) {
   const test::TemporaryFolder folder;
-  writeFileAtomically(folder / "stereo.mat", "MATLAB 5.0 MAT-file, Platform: GLNXA64");
-  EXPECT_THAT(test::messageOf([&] { readRigFiles({folder / "stereo.mat"}); }),
-              HasSubstr("stereo.mat: is MATLAB's binary format. Write the parameters as JSON"));
-  writeFileAtomically(folder / "rig.npz", std::string("PK\3\4\0\0", 6));
-  EXPECT_THAT(test::messageOf([&] { readRigFiles({folder / "rig.npz"}); }), HasSubstr("is a binary file"));
-  writeFileAtomically(folder / "other.yaml", "cameras: 2\n");
-  const std::string message = test::messageOf([&] { readRigFiles({folder / "other.yaml"}); });
+  const auto message_of = [&](const std::string& name, const std::string& text) {
+    writeFileAtomically(folder / name, text);
+    const std::string message = test::messageOf([&] { readRigFiles({folder / name}); });
+    EXPECT_THAT(message, HasSubstr(name + ": is "));
+    return message;
+  };
+  EXPECT_THAT(message_of("stereo.mat", "MATLAB 5.0 MAT-file, Platform: GLNXA64"),
+              HasSubstr("is of MATLAB (binary), a format that is not read: write the parameters as JSON"));
+  EXPECT_THAT(message_of("SN1234.conf", "[LEFT_CAM_HD]\nfx=700\n\n[RIGHT_CAM_HD]\nfx=700\n"),
+              AllOf(HasSubstr("is of a ZED,"), HasSubstr("camera_info")));
+  EXPECT_THAT(message_of("rig.yaml", "%YAML:1.0\nCamera.bf: 47.9\nLEFT.K: x\n   data:[1]\n"),
+              AllOf(HasSubstr("is of ORB-SLAM2,"), HasSubstr("LEFT.K LEFT.D")));
+  EXPECT_THAT(message_of("left.cameramodel", "{ 'lensmodel': 'LENSMODEL_OPENCV8' }"),
+              HasSubstr("mrcal-to-kalibr"));
+  EXPECT_THAT(message_of("basalt.json", R"({"value0": {"T_imu_cam": []}})"), HasSubstr("is of Basalt,"));
+  EXPECT_THAT(message_of("cameras.bin", std::string("\2\0\0\0", 4)), HasSubstr("is of COLMAP,"));
+  EXPECT_THAT(message_of("rig.npz", std::string("PK\3\4\0\0", 6)), HasSubstr("cv2.FileStorage"));
+  EXPECT_THAT(message_of("rig.bin", std::string("\1\2\0\0", 4)),
+              HasSubstr("is a binary file; expected cartvo's"));
+  EXPECT_THAT(message_of("other.ini", "[left]\nfx=700\n[right]\nfx=700\n"),
+              AllOf(HasSubstr("is in none of the known formats"), HasSubstr("read as YAML:")));
+  const std::string message = message_of("other.yaml", "cameras: 2\n");
   EXPECT_THAT(message, HasSubstr("is in none of the known formats: cartvo's rig.yaml"));
   EXPECT_THAT(message, testing::Not(HasSubstr("calibrate convert")));
+}
+
+/// A message of the topic camera_info; `Tx` of its P.
+std::string rosMessage(double Tx) {
+  const std::string P = "[383.1, 0, 319.8, " + std::to_string(Tx) + ", 0, 383.1, 241.6, 0, 0, 0, 1, 0]\n";
+  return "header:\n  frame_id: x\nheight: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [0, 0, 0, 0, 0]\n"
+         "K: [383.1, 0, 319.8, 0, 383.1, 241.6, 0, 0, 1]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nP: " +
+         P + "roi: {x_offset: 0, y_offset: 0, height: 480, width: 640, do_rectify: false}\n";
+}
+
+TEST(RosRig, IsReadFromMessagesOfTheTopic) {
+  const test::TemporaryFolder folder;
+  const std::string left = rosMessage(0.0), right = rosMessage(-19.155);
+  writeFileAtomically(folder / "left.yaml", left + "---\n" + left);
+  writeFileAtomically(folder / "right.yaml", right + "---\n");
+  const Rig rig = readRigFiles({folder / "left.yaml", folder / "right.yaml"});
+  EXPECT_EQ(rig.left.size, cv::Size(640, 480));
+  EXPECT_EQ(rig.left.fx, 383.1);
+  EXPECT_NEAR(rig.baseline(), 0.05, 1e-9);
+  EXPECT_THAT(test::messageOf([&] { readRigFiles({folder / "left.yaml"}); }),
+              HasSubstr("holds one camera only"));
+}
+
+TEST(RosRig, NamesTheNumberOfABaselineThatIsMissing) {
+  const test::TemporaryFolder folder;
+  for (const double Tx : {0.0, -19.155}) {
+    writeFileAtomically(folder / "left.yaml", rosMessage(Tx));
+    writeFileAtomically(folder / "right.yaml", rosMessage(Tx));
+    EXPECT_THAT(test::messageOf([&] {
+                  readRigFiles({folder / "left.yaml", folder / "right.yaml"});
+                }),
+                HasSubstr("projection_matrix (P): Tx, its fourth number, is that of the left camera"));
+  }
 }
 
 TEST(KittiRig, RefusesAShortRowAndAMissingRow) {

@@ -31,5 +31,14 @@ TEST(Terminal, TextIsCutBetweenCharacters) {
   EXPECT_EQ(cutToColumns("abcdef", 0), "");
 }
 
+TEST(Terminal, LinesAreWrappedBelowTheirSecondColumn) {
+  EXPECT_EQ(wrapLines("  -h,--help  Print this help\n\n", 24),
+            "  -h,--help  Print this\n             help\n\n");
+  EXPECT_EQ(wrapLines("  --sequence DIR Excludes: --world --seed", 24),
+            "  --sequence DIR\n          Excludes:\n          --world --seed\n");
+  EXPECT_EQ(wrapLines("Text in ± words", 10), "Text in ±\nwords\n");
+  EXPECT_EQ(wrapLines("a_word_beyond_the_line", 10), "a_word_beyond_the_line\n");
+}
+
 }  // namespace
 }  // namespace cartvo

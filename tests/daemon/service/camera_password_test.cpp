@@ -40,10 +40,31 @@ class CameraPassword : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CameraPassword, IsFirstLineOfFile) {
+TEST_F(CameraPassword, IsOnlyLineOfFile) {
   EXPECT_EQ(readPassword(camera("correct horse\n", kOwner)), "correct horse");
   EXPECT_EQ(readPassword(camera("windows\r\n", kOwner)), "windows");
   EXPECT_EQ(readPassword(camera("no newline", kOwner | fs::perms::group_read)), "no newline");
+}
+
+TEST_F(CameraPassword, IsReadFromFilesOfWindows) {
+  using namespace std::string_literals;
+  EXPECT_EQ(readPassword(camera("\xEF\xBB\xBF"
+                                "gr\u00FCn \u20AC\r\n",
+                                kOwner)),
+            "gr\u00FCn \u20AC");
+  EXPECT_EQ(readPassword(camera("\xFF\xFEg\0\xFC\0\r\0\n\0"s, kOwner)), "g\u00FC");
+  EXPECT_EQ(readPassword(camera("\xFE\xFF\0g\0\xFC\0\n"s, kOwner)), "g\u00FC");
+  EXPECT_EQ(readPassword(camera("a line below\n\n \n", kOwner)), "a line below");
+}
+
+TEST_F(CameraPassword, IsRefusedIfItIsAmbiguous) {
+  using namespace std::string_literals;
+  for (const std::string& text : {"secret "s, " secret"s, "secret\t\r\n"s, "secret\u00A0"s, "\u200Bsecret"s})
+    EXPECT_THAT(errorOf(camera(text, kOwner)),
+                testing::AllOf(HasSubstr("begins or ends with a blank"), testing::Not(HasSubstr("secret"))));
+  for (const std::string& text : {"s\0e\0c\0\r\0\n\0"s, "gr\xFCn\n"s, "sec\tret"s})
+    EXPECT_THAT(errorOf(camera(text, kOwner)), HasSubstr("it is not UTF-8, or holds control characters"));
+  EXPECT_THAT(errorOf(camera("admin\nsecret\n", kOwner)), HasSubstr("several lines"));
 }
 
 TEST_F(CameraPassword, IsRefusedIfOtherUsersMayReadFile) {

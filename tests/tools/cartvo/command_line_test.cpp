@@ -2,11 +2,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/command_line/terminal.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -87,6 +89,15 @@ TEST(CommandLine, HelpIsACommandToo) {
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.output, test::runCartvo("recording trim --help").output);
   EXPECT_EQ(test::runCartvo("-V").output, test::runCartvo("--version").output);
+}
+
+TEST(CommandLine, HelpFitsIntoATerminal) {
+  constexpr std::size_t kColumns = 120;
+  for (const char* const command : {"replay", "calibrate", "simulate", "export"}) {
+    std::istringstream lines(test::runCartvo(std::string(command) + " --help").output);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(textColumns(line), kColumns) << line;
+  }
 }
 
 TEST(StandardOutput, ThatCannotBeWrittenIsAFailure) {

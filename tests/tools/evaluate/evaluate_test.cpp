@@ -197,7 +197,7 @@ TEST(Association, ByTimeRejectsDifferentClocksAndDrives) {
     stamped.time_ns += 1'000'000'000'000;
   EXPECT_THAT(test::messageOf([&] { associateByTime(straight(50, 1.0), truth); }),
               AllOf(HasSubstr("the estimate is of 0.000 s to 4.900 s, the truth of 1000.000 s to 1004.900 s"),
-                    HasSubstr("each 'cartvo simulate' replaces its truth.tum")));
+                    HasSubstr("'cartvo simulate' keeps the truth of an earlier run as")));
 }
 
 TEST(Association, ByTimeRejectsMillisecondsReadAsSeconds) {

@@ -56,6 +56,21 @@ TEST(SimulateCommand, LooksAtItsOutputFolderBeforeRendering) {
                                            ::testing::Not(HasSubstr("rendering"))));
 }
 
+TEST(SimulateCommand, LooksAtItsPasswordAndAddressesBeforeRendering) {
+  const test::TemporaryFolder folder;
+  const std::string simulate =
+      "simulate --world campus --no-cache --output-dir " + (folder.path() / "out").string();
+  const auto refuses = [&](const std::string& options, const std::string& message) {
+    const test::CommandResult run = test::runCartvo(simulate + " " + options);
+    EXPECT_EQ(run.exit_code, 1) << options;
+    EXPECT_THAT(run.output, ::testing::AllOf(HasSubstr(message), ::testing::Not(HasSubstr("rendering"))));
+  };
+  refuses("--password-file /none", "/none: cannot be read");
+  refuses("--left-address 192.0.2.1:8554", "cannot listen on 192.0.2.1:8554");
+  refuses("--left-address 127.0.0.1:48554 --right-address 127.0.0.1:48554",
+          "cannot listen on 127.0.0.1:48554");
+}
+
 /// The folder of a rendered drive of 0.25 s at 8 Hz.
 nlohmann::json renderedRig(const std::string& options, const test::TemporaryFolder& folder) {
   const std::string images = (folder.path() / "images").string();

@@ -63,6 +63,20 @@ TEST(RenderFolder, WritesTheSameTruthInTwoFormats) {
   EXPECT_TRUE(camera[3].pose.translation().isApprox(Eigen::Vector3d(0.06, 0.0, 0.0), 1e-6));
 }
 
+TEST(EarlierTruth, IsKeptByTheSecondOfItsFirstPose) {
+  const test::TemporaryFolder folder;
+  const test::PatternContent pattern({.size = {64, 48}, .pairs = 4});
+  EXPECT_EQ(keepEarlierTruth(folder.path()), std::nullopt);
+  writeTruth(folder.path(), pattern, 1'767'225'600'500'000'000);
+  const Trajectory truth = readTrajectory(folder / "truth.tum");
+  EXPECT_EQ(keepEarlierTruth(folder.path()), folder / "truth-1767225600.tum");
+  EXPECT_FALSE(fs::exists(folder / "truth.tum"));
+  EXPECT_EQ(readTrajectory(folder / "truth-1767225600.tum").size(), truth.size());
+  writeTruth(folder.path(), pattern, 1'767'225'600'500'000'000);
+  EXPECT_THROW(keepEarlierTruth(folder.path()), std::runtime_error) << "the name is taken";
+  EXPECT_TRUE(fs::exists(folder / "truth.tum"));
+}
+
 TEST(RenderFolder, RejectsFolderThatIsNotEmpty) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "notes.txt") << "mine\n";

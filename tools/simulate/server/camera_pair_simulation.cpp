@@ -8,6 +8,7 @@
 
 #include "common/host_clock.hpp"
 #include "tools/simulate/server/frame_schedule.hpp"
+#include "tools/simulate/server/rtsp_server.hpp"
 
 namespace cartvo::simulate {
 namespace {
@@ -46,6 +47,11 @@ Endpoint parseEndpoint(const std::string& text) {
     if (error == std::errc() && parsed == end) return endpoint;
   }
   throw std::invalid_argument("'" + text + "' is not ADDRESS:PORT, such as 127.0.0.1:8554");
+}
+
+void requireFreeAddresses(const CameraPairSettings& settings) {
+  const auto left = RtspServer::reserve(settings.left.address, settings.left.port);
+  const auto right = RtspServer::reserve(settings.right.address, settings.right.port);
 }
 
 CameraPairSimulation::CameraPairSimulation(const std::shared_ptr<const EncodedPair>& streams,

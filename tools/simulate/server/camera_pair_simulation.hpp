@@ -43,6 +43,9 @@ struct CameraPairSettings {
   ContentEnd end = ContentEnd::stop;
 };
 
+/// Throws std::runtime_error unless both cameras can listen, at the same time, on their addresses.
+void requireFreeAddresses(const CameraPairSettings& settings);
+
 /// Two simulated cameras on one clock: content instant 0 is the same system time for both.
 class CameraPairSimulation {
  public:

@@ -3,6 +3,7 @@
 
 #include <mutex>
 #include <stdexcept>
+#include <string>
 
 #include "tools/simulate/server/rtsp_media.hpp"
 
@@ -44,7 +45,30 @@ void useClockTime(GstRTSPMedia* media) {
   gst_element_set_base_time(GST_ELEMENT(pipeline.get()), 0);
 }
 
+void setAddress(GstRTSPServer* server, const std::string& address, std::uint16_t port) {
+  gst_rtsp_server_set_address(server, address.c_str());
+  gst_rtsp_server_set_service(server, std::to_string(port).c_str());
+}
+
+/// Takes the ownership of `error`, which may be nullptr.
+[[noreturn]] void failListening(const std::string& address, std::uint16_t port, GError* error) {
+  const std::string reason = error != nullptr ? error->message : "unknown reason";
+  g_clear_error(&error);
+  throw std::runtime_error("a simulated camera cannot listen on " + address + ":" + std::to_string(port) +
+                           ": " + reason + "; give another port with --left-address or --right-address");
+}
+
 }  // namespace
+
+GPointer<GSocket> RtspServer::reserve(const std::string& address, std::uint16_t port) {
+  initialiseGStreamer();
+  const GPointer<GstRTSPServer> server(gst_rtsp_server_new());
+  setAddress(server.get(), address, port);
+  GError* error = nullptr;
+  GPointer<GSocket> socket(gst_rtsp_server_create_socket(server.get(), nullptr, &error));
+  if (socket == nullptr) failListening(address, port, error);
+  return socket;
+}
 
 RtspServer::RtspServer(const SimulatedCameraSettings& settings) {
   initialiseGStreamer();
@@ -136,20 +160,13 @@ void RtspServer::addMountPoints() {
 }
 
 void RtspServer::listen(const SimulatedCameraSettings& settings) {
-  gst_rtsp_server_set_address(server_.get(), settings.address.c_str());
-  gst_rtsp_server_set_service(server_.get(), std::to_string(settings.port).c_str());
+  setAddress(server_.get(), settings.address, settings.port);
   context_.reset(g_main_context_new());
   loop_.reset(g_main_loop_new(context_.get(), FALSE));
 
   GError* error = nullptr;
   listener_.reset(gst_rtsp_server_create_source(server_.get(), nullptr, &error));
-  if (listener_ == nullptr) {
-    const std::string reason = error != nullptr ? error->message : "unknown reason";
-    g_clear_error(&error);
-    throw std::runtime_error("a simulated camera cannot listen on " + settings.address + ":" +
-                             std::to_string(settings.port) + ": " + reason +
-                             "; give another port with --left-address or --right-address");
-  }
+  if (listener_ == nullptr) failListening(settings.address, settings.port, error);
   g_source_attach(listener_.get(), context_.get());
   port_ = static_cast<std::uint16_t>(gst_rtsp_server_get_bound_port(server_.get()));
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include <gst/rtsp-server/rtsp-server.h>
@@ -21,6 +22,9 @@ class RtspServer {
   ~RtspServer();
   RtspServer(const RtspServer&) = delete;
   RtspServer& operator=(const RtspServer&) = delete;
+
+  /// A socket that listens there until it is destroyed. Throws std::runtime_error if none can.
+  static GPointer<GSocket> reserve(const std::string& address, std::uint16_t port);
 
   std::uint16_t port() const { return port_; }
   ClientFeeds& clients() { return *clients_; }

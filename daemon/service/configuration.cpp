@@ -222,13 +222,9 @@ void readPose(const StrictYaml& lcm, Configuration& configuration) {
 void readLcm(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLcmKeys);
   if (yaml.has("url")) {
-    static const std::regex kUdpMulticastUrl(R"(udpm://[0-9.]+:[0-9]+(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
     configuration.lcm_url = yaml["url"].text();
-    if (!std::regex_match(configuration.lcm_url, kUdpMulticastUrl)) {
-      yaml["url"].failExpecting("a URL such as udpm://239.255.76.67:7667?ttl=0");
-    }
     try {
-      checkLcmUrl(configuration.lcm_url);
+      parseLcmUrl(configuration.lcm_url);
     } catch (const std::invalid_argument& error) {
       yaml["url"].fail(error.what());
     }
@@ -296,6 +292,7 @@ Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::
   yaml.allowOnly(kRootKeys);
 
   Configuration configuration;
+  configuration.lcm_url = defaultLcmUrl();
   readCameras(yaml["cameras"], folder, configuration);
   if (rig == RigKey::required || yaml.has("rig")) configuration.rig = path(yaml["rig"], folder);
   if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);

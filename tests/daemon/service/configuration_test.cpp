@@ -102,7 +102,7 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
               HasSubstr("udpm://239.255.76.67"));
   EXPECT_THAT(
       errorOf(std::string(kMinimal) + "lcm: {url: \"udpm://10.0.0.1:7667?ttl=0\"}\n"),
-      AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
+      AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("names '10.0.0.1', which is not a multicast address")));
 }
 
 TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {

@@ -114,6 +114,10 @@ int run(const CommandLine& command_line) {
     return kWrongConfiguration;
   }
   if (command_line.check_only) {
+    if (const std::string obstacle = cartvo::daemon::recordingObstacle(configuration); !obstacle.empty()) {
+      spdlog::error(obstacle);
+      return kWrongConfiguration;
+    }
     if (const std::string warning = cartvo::daemon::configurationWarning(configuration); !warning.empty())
       std::fprintf(stderr, "%s: warning: %s\n", configuration.rig.c_str(), warning.c_str());
     std::printf("%s: in order\n", command_line.configuration.c_str());

@@ -83,6 +83,8 @@ class Daemon::Implementation {
   void reload(const Configuration& next);
 
  private:
+  void startServers();
+  void startMetrics();
   void startPage();
   bool mayPublish();
   void onPair(const pipeline::PairResult& result);
@@ -143,30 +145,39 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
   spdlog::info("LCM: {}", describeLcmUrl(configuration.lcm_url));
   watchRoute();
   if (!calib::hasMount(rig_)) spdlog::warn("{}: {}", configuration.rig.string(), calib::kNoMountText);
-  if (configuration.metrics) {
-    metrics_ = std::make_unique<MetricsServer>(*configuration.metrics);
-    spdlog::info("metrics: http://{}/metrics and /healthz", metrics_->address());
-  }
   recording_.observe(left_, right_);
-  if (configuration.page.listen) startPage();
+  startServers();
 }
 
-/// Starts the status page, whose buttons start and stop recordings. A taken port is logged but does not stop
-/// the daemon, because controllers need the motion.
+/// Starts the servers that are configured and do not run yet. One that cannot listen is logged and tried
+/// again with each health message, because controllers need the motion: another program may leave the port,
+/// the address may come with a cable.
+void Daemon::Implementation::startServers() {
+  try {
+    if (configuration_.metrics && !metrics_) startMetrics();
+  } catch (const std::runtime_error& error) {
+    warnings_.warn(std::string("no metrics are served yet: ") + error.what());
+  }
+  try {
+    if (configuration_.page.listen && !page_) startPage();
+  } catch (const std::runtime_error& error) {
+    warnings_.warn(std::string("the status page is not served yet: page.listen: ") + error.what() +
+                   " As a service, another port than 9465 needs SocketBindAllow=");
+  }
+}
+
+void Daemon::Implementation::startMetrics() {
+  metrics_ = std::make_unique<MetricsServer>(*configuration_.metrics);
+  spdlog::info("metrics: http://{}/metrics, /healthz, /readyz and /livez", metrics_->address());
+}
+
+/// Its buttons start and stop recordings.
 void Daemon::Implementation::startPage() {
   const PageServerSettings settings{*configuration_.page.listen, readPageToken(configuration_.page),
                                     PageControllers::token_holders};
-  try {
-    page_ = std::make_unique<StatusPage>(
-        settings, rig_.name,
-        RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
-  } catch (const std::runtime_error& error) {
-    spdlog::error(
-        "the status page is not served: page.listen: {} As a service, another port than 9465 needs "
-        "SocketBindAllow=",
-        error.what());
-    return;
-  }
+  page_ = std::make_unique<StatusPage>(
+      settings, rig_.name,
+      RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
   processor_.setViewer(page_->viewer());
   spdlog::info("status page: {}", page_->url());
 }
@@ -267,6 +278,7 @@ void Daemon::Implementation::watchRoute() {
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
   watchRoute();
+  startServers();
   clock_.setHostClockCorrection(hostClockCorrection());
   const std::string foreign = foreign_.consumeProblem();
   HealthSnapshot snapshot;

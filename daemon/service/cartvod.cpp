@@ -1,6 +1,7 @@
 // cartvod: reads two cameras and publishes the cart's motion over LCM until SIGTERM.
 // Exit codes: 0 stopped cleanly, 1 failed, 2 wrong command line or configuration.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"
@@ -146,17 +148,20 @@ int run(const CommandLine& command_line) {
 int main(int argument_count, char** arguments) {
   cartvo::occupyStandardDescriptors();
   cartvo::daemon::setUpLog(spdlog::level::info);
-  const std::vector<std::string> words(arguments, arguments + argument_count);
+  const std::vector<std::string> words(arguments + std::min(1, argument_count), arguments + argument_count);
   cartvo::Program program(
-      words.empty() ? "cartvod" : words.front(),
+      "cartvod",
       "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
   CommandLine command_line;
   describe(program.command(), command_line);
+  cartvo::refuseUnusableValues(program.command());
   int code = kStopped;
   try {
-    if (program.parse({words.begin() + (words.empty() ? 0 : 1), words.end()})) code = run(command_line);
+    if (const std::string unknown = cartvo::unknownWord(program.command(), words); !unknown.empty())
+      throw cartvo::CommandLineError(unknown);
+    if (program.parse(words)) code = run(command_line);
   } catch (const cartvo::CommandLineError& error) {
-    std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.what());
+    std::fputs(cartvo::commandLineError(program.command(), error).c_str(), stderr);
     code = kWrongConfiguration;
   }
   const std::string output_error = cartvo::standardOutputError();

@@ -35,11 +35,12 @@ std::string recordingObstacle(const Configuration& configuration) {
   if (configuration.recording_directory.empty()) return {};
   std::error_code ignored;
   std::filesystem::path folder = configuration.recording_directory;
-  if (configuration.recording_quota.recordings.empty() && std::filesystem::exists(folder, ignored))
-    return folder.string() + ": exists; give --record a folder that does not exist yet";
+  const bool is_one = configuration.recording_quota.recordings.empty();  // that of --record
+  if (is_one && std::filesystem::is_directory(folder, ignored) && !std::filesystem::is_empty(folder, ignored))
+    return folder.string() + ": is not empty; give --record a new folder";
   while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
     folder = folder.parent_path();
-  const std::string purpose = ": recordings are to be written below it, but it ";
+  const std::string purpose = ": recordings are to be written here, but it ";
   if (!std::filesystem::is_directory(folder, ignored)) return folder.string() + purpose + "is no folder";
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     return folder.string() + purpose + "is not writable: " + std::generic_category().message(errno);

@@ -46,8 +46,9 @@ void describe(cartvo::Command program, CommandLine& command_line) {
   program.addVersionFlag("--version", "cartvod " CARTVO_VERSION);
   program.addOption("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
       .required();
-  program.addFlag("--check-config", command_line.check_only,
-                  "Check the configuration, the rig file and the passwords, then exit");
+  program.addFlag(
+      "--check-config", command_line.check_only,
+      "Check the configuration, the rig file, the passwords and the recordings' folder, then exit");
   program.addOption("--record", command_line.recording_directory,
                     "Record both streams as received into this folder (overrides recording.directory)");
   cartvo::addBashCompletionFlag(program, "cartvod");

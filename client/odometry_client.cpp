@@ -1,6 +1,8 @@
 // Receives odometry messages over LCM.
 
 #include <algorithm>
+#include <cstdlib>
+#include <string>
 #include <thread>
 
 #include <cartvo/client.hpp>
@@ -11,6 +13,11 @@ namespace {
 constexpr int kMaxMessagesPerUpdate = 1000;  // a flood does not keep the control loop
 
 }  // namespace
+
+std::string defaultLcmUrl() {
+  const char* url = std::getenv("LCM_DEFAULT_URL");
+  return url == nullptr || *url == '\0' ? kDefaultLcmUrl : url;
+}
 
 OdometryClient::OdometryClient(lcm::LCM& lcm, const ControllerSettings& settings)
     : lcm_(lcm),

@@ -74,9 +74,11 @@ bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& num
 constexpr int kMatrixLevels = 2;  // a sequence of rows
 
 std::string shortest(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
+  std::array<char, 32> text{};
+  constexpr int kDigits = 10;  // 1e6 as 1000000
+  const auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, kDigits);
+  return {text.data(), end};
 }
 
 /// Number of the first line whose indentation has a tab, which yaml-cpp does not name; 0 if there is none.
@@ -233,10 +235,11 @@ std::int64_t StrictYaml::integer(std::int64_t min, std::int64_t max) const {
   return value;
 }
 
-double StrictYaml::number(double min, double max) const {
+double StrictYaml::number(double min, double max, const std::string& unit) const {
   double value = 0.0;
   if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= min && value <= max)) {
-    failExpecting("a number from " + shortest(min) + " to " + shortest(max));
+    failExpecting("a number from " + shortest(min) + " to " + shortest(max) +
+                  (unit.empty() ? "" : " " + unit));
   }
   return value;
 }

@@ -39,7 +39,9 @@ class StrictYaml {
   /// Text of printable UTF-8 characters, see isPrintable.
   std::string text() const;
   std::int64_t integer(std::int64_t min, std::int64_t max) const;
-  double number(double min, double max) const;
+  double number(double min, double max) const { return number(min, max, ""); }
+  /// `unit`: for the error.
+  double number(double min, double max, const std::string& unit) const;
 
   /// A sequence of numbers, of any length up to 10,000 or of `count`. A sequence of sequences is read row by
   /// row.

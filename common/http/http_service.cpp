@@ -8,11 +8,19 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include "common/ascii_text.hpp"
+
 namespace cartvo {
 namespace {
 
-/// Whether a Host header is a numeric address or localhost, with or without a port.
-bool isAllowedHost(std::string host) {
+constexpr const char* kPlainText = "text/plain; charset=utf-8";
+constexpr int kForbidden = 403, kNotFound = 404, kNotAllowed = 405;
+
+/// Whether a Host header is a numeric address or localhost, with or without a port. It may be absent:
+/// browsers always send it, monitors that speak HTTP/1.0 do not.
+bool isAllowedHost(const std::string& header) {
+  std::string host = lowerCase(header);
+  if (host.empty()) return true;
   if (host.starts_with('[')) return isNumericAddress(host.substr(1, host.find(']') - 1));
   host = host.substr(0, host.find(':'));
   return host == "localhost" || isNumericAddress(host);
@@ -80,12 +88,36 @@ HttpService::HttpService(std::size_t threads, const HttpLimits& limits) : thread
     if (send_buffer_ > 0) setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &send_buffer_, sizeof send_buffer_);
   });
   set_pre_routing_handler([this](const Request& request, Response& response) {
-    const bool is_allowed =
-        request.method == "GET" || (request.method == "POST" && post_paths_.contains(request.path));
-    if (is_allowed && isAllowedHost(request.get_header_value("Host"))) return HandlerResponse::Unhandled;
-    response.status = 403;
-    return HandlerResponse::Handled;
+    return refuse(request, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
   });
+  set_error_handler([](const Request&, Response& response) {
+    if (!response.body.empty()) return;
+    response.set_content(
+        response.status == kNotFound ? "there is nothing at this path\n" : "the request cannot be answered\n",
+        kPlainText);
+  });
+}
+
+/// Answers a request that no handler may see; false: it may.
+bool HttpService::refuse(const httplib::Request& request, httplib::Response& response) const {
+  const bool takes_post = post_paths_.contains(request.path);
+  const bool is_allowed =
+      request.method == "GET" || request.method == "HEAD" || (takes_post && request.method == "POST");
+  if (!is_allowed) {
+    const std::string methods = takes_post ? "GET, HEAD, POST" : "GET, HEAD";
+    response.status = kNotAllowed;
+    response.set_header("Allow", methods);
+    response.set_content("this path takes the methods " + methods + "\n", kPlainText);
+    return true;
+  }
+  if (allows_any_host_ || isAllowedHost(request.get_header_value("Host"))) return false;
+  response.status = kForbidden;
+  response.set_content(
+      "this server answers requests for a numeric address or localhost, so that no web site can read it "
+      "through "
+      "a browser; the header Host has a name. Behind a proxy, let it send 'Host: localhost'\n",
+      kPlainText);
+  return true;
 }
 
 HttpService::~HttpService() {

@@ -46,11 +46,11 @@ class BoundedTaskQueue : public httplib::TaskQueue {
   bool is_over_ = false;
 };
 
-/// HTTP server with threads of its own. It answers only GET requests, and POST requests to paths defined for
-/// them, whose Host header is a numeric address or localhost, so that no other site can make a browser read
-/// it ("DNS rebinding"). It does not share its port with other programs. Each connection is for one request,
-/// limited by HttpLimits; at most `threads` clients are served at a time, and as many again wait. A
-/// connection without a request waits in the operating system.
+/// HTTP server with threads of its own. It answers only GET and HEAD requests, and POST requests to paths
+/// defined for them, whose Host header is absent, a numeric address or localhost, so that no other site can
+/// make a browser read it ("DNS rebinding"); it says so to others. It does not share its port with other
+/// programs. Each connection is for one request, limited by HttpLimits; at most `threads` clients are served
+/// at a time, and as many again wait. A connection without a request waits in the operating system.
 class HttpService : private httplib::Server {
  public:
   explicit HttpService(std::size_t threads, const HttpLimits& limits = {});
@@ -70,6 +70,9 @@ class HttpService : private httplib::Server {
   /// the client. Call it before `bind`; by default the operating system chooses.
   void setSendBuffer(int bytes) { send_buffer_ = bytes; }
 
+  /// Answers whatever the Host header is, for a server whose data need a token. Call it before `start`.
+  void allowAnyHost() { allows_any_host_ = true; }
+
   /// Binds the address and returns the port; -1 if that fails, for example because the port is taken.
   int bind(const ListenAddress& address);
 
@@ -80,10 +83,12 @@ class HttpService : private httplib::Server {
 
  private:
   bool process_and_close_socket(socket_t socket) override;
+  bool refuse(const httplib::Request& request, httplib::Response& response) const;
 
   std::set<std::string> post_paths_;
   std::size_t threads_;
   HttpLimits limits_;
+  bool allows_any_host_ = false;
   int send_buffer_ = 0;  ///< bytes; 0: not set
   WakeEvent stop_;
   std::unique_ptr<BoundedTaskQueue> queue_;  ///< until the listener takes it

@@ -31,14 +31,17 @@ ListenAddress ListenAddress::parse(const std::string& text) {
   const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
   if (colon != std::string::npos) {
     result.address = text.substr(0, colon);
+    if (result.address == "localhost") result.address = "127.0.0.1";
     if (result.address.starts_with('[') && result.address.ends_with(']'))
       result.address = result.address.substr(1, result.address.size() - 2);
   }
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), result.port);
   if (error != std::errc() || end != port.data() + port.size() || port.empty() ||
       !isNumericAddress(result.address)) {
-    throw std::invalid_argument("'" + text +
-                                "' is neither PORT nor ADDRESS:PORT, such as 8600 or 0.0.0.0:8600");
+    throw std::invalid_argument(
+        "'" + text +
+        "' is neither PORT nor ADDRESS:PORT with a numeric address or localhost, such as "
+        "8600 or 127.0.0.1:8600");
   }
   return result;
 }

@@ -16,8 +16,8 @@ struct ListenAddress {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: any free port
 
-  /// Parses PORT or ADDRESS:PORT with a numeric address (an IPv6 one in brackets). Throws
-  /// std::invalid_argument naming the text.
+  /// Parses PORT or ADDRESS:PORT with a numeric address (an IPv6 one in brackets) or localhost, for
+  /// 127.0.0.1. Throws std::invalid_argument naming the text.
   static ListenAddress parse(const std::string& text);
 
   bool isLoopback() const;

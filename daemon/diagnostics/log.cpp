@@ -2,9 +2,12 @@
 
 #include "daemon/diagnostics/log.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -27,6 +30,29 @@ bool logsToJournal() {
 constexpr std::chrono::minutes kRepeatPeriod{1};
 constexpr std::size_t kMaxTexts = 64;
 
+/// Whether a word, without the signs around it, is a number.
+bool isNumber(std::string_view word) {
+  const std::size_t begin = word.find_first_of("0123456789");
+  const std::size_t last = word.find_last_of("0123456789");
+  if (begin == std::string_view::npos) return false;
+  if (word.find_first_not_of("+-\u00b1(") != begin) return false;
+  if (word.find_first_not_of(".,;:)%", last + 1) != std::string_view::npos) return false;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data() + begin, word.data() + last + 1, value);
+  return error == std::errc{} && end == word.data() + last + 1;
+}
+
+std::string withoutNumbers(std::string_view text) {
+  std::string result;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    result.append(isNumber(word) ? "#" : word).append(" ");
+    begin = end + 1;
+  }
+  return result;
+}
+
 }  // namespace
 
 void setUpLog(spdlog::level::level_enum level) {
@@ -41,10 +67,11 @@ void setUpLog(spdlog::level::level_enum level) {
 }
 
 std::string RepeatedWarnings::due(const std::string& text, Clock::time_point now) {
-  const auto found = entries_.find(text);
+  const std::string key = withoutNumbers(text);
+  const auto found = entries_.find(key);
   if (found == entries_.end()) {
     if (entries_.size() >= kMaxTexts) entries_.clear();
-    entries_.emplace(text, Entry{now, 0});
+    entries_.emplace(key, Entry{now, 0});
     return text;
   }
   Entry& entry = found->second;
@@ -53,6 +80,10 @@ std::string RepeatedWarnings::due(const std::string& text, Clock::time_point now
   std::string line = text + " (" + std::to_string(entry.repeats) + " times since this was last logged)";
   entry = {now, 0};
   return line;
+}
+
+void RepeatedWarnings::forget(const std::string& text) {
+  entries_.erase(withoutNumbers(text));
 }
 
 void RepeatedWarnings::warn(const std::string& text) {

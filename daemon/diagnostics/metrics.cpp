@@ -219,4 +219,16 @@ HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_poi
                              odometryStateName(health.odometry_state), problem)};
 }
 
+HealthAnswer readyAnswer(const DaemonState& state, DaemonState::Clock::time_point now) {
+  const HealthAnswer answer = healthAnswer(state, now);
+  if (!answer.is_healthy) return answer;
+  const health_t& health = state.health;
+  for (const auto& [name, camera] : {std::pair("left", &health.left), std::pair("right", &health.right)}) {
+    if (camera->state == camera_health_t::STREAMING) continue;
+    return {false, fmt::format("the {} camera is {}{}{}", name, cameraStateName(camera->state),
+                               camera->last_error.empty() ? "" : ": ", camera->last_error)};
+  }
+  return answer;
+}
+
 }  // namespace cartvo::daemon

@@ -10,7 +10,7 @@
 
 #include "pipeline/pair_processor.hpp"
 
-// Answers of /metrics and /healthz, without the server.
+// Answers of /metrics, /healthz and /readyz, without the server.
 
 namespace cartvo::daemon {
 
@@ -56,5 +56,8 @@ struct HealthAnswer {
 /// Healthy: odometry is valid (within the last second), or the daemon waits for a camera. Not healthy: a
 /// stage is stalled, a camera refuses the login, or both cameras stream but odometry is invalid.
 HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_point now);
+
+/// Ready: healthy, and both cameras stream.
+HealthAnswer readyAnswer(const DaemonState& state, DaemonState::Clock::time_point now);
 
 }  // namespace cartvo::daemon

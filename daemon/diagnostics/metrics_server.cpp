@@ -13,6 +13,7 @@ namespace {
 
 using Clock = DaemonState::Clock;
 constexpr std::size_t kServerThreads = 4;
+constexpr const char* kPlainText = "text/plain; charset=utf-8";
 
 }  // namespace
 
@@ -41,14 +42,20 @@ void MetricsServer::Implementation::route() {
     lock.unlock();
     response.set_content(metricsText(health, current), "text/plain; version=0.0.4; charset=utf-8");
   });
-  server.Get("/healthz", [this](const Request&, Response& response) {
-    std::unique_lock lock(mutex);
-    const DaemonState current = state;
-    lock.unlock();
-    const HealthAnswer answer = healthAnswer(current, Clock::now());
-    response.status = answer.is_healthy ? 200 : 503;
-    response.set_content(answer.line + "\n", "text/plain; charset=utf-8");
-  });
+  const auto answer_by = [this](HealthAnswer (*decide)(const DaemonState&, Clock::time_point)) {
+    return [this, decide](const Request&, Response& response) {
+      std::unique_lock lock(mutex);
+      const DaemonState current = state;
+      lock.unlock();
+      const HealthAnswer answer = decide(current, Clock::now());
+      response.status = answer.is_healthy ? 200 : 503;
+      response.set_content(answer.line + "\n", kPlainText);
+    };
+  };
+  server.Get("/healthz", answer_by(healthAnswer));
+  server.Get("/readyz", answer_by(readyAnswer));
+  server.Get("/livez",
+             [](const Request&, Response& response) { response.set_content("alive\n", kPlainText); });
 }
 
 MetricsServer::MetricsServer(const ListenAddress& address)
@@ -59,9 +66,9 @@ MetricsServer::MetricsServer(const ListenAddress& address)
   server.route();
   const int port = server.server.bind(address);
   if (port < 0) {
-    throw std::runtime_error(
-        "metrics.listen: cannot listen at " + address.text() +
-        ": is the port taken? As a service, another port than 9464 needs SocketBindAllow=");
+    throw std::runtime_error("metrics.listen: cannot listen at " + address.text() +
+                             ": is the port taken, or the address not one of this computer? As a service, "
+                             "another port than 9464 needs SocketBindAllow=");
   }
   server.address = ListenAddress{address.address, static_cast<std::uint16_t>(port)}.text();
   server.server.start();

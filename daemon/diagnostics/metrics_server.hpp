@@ -8,10 +8,10 @@
 
 namespace cartvo::daemon {
 
-/// Serves /metrics (Prometheus) and /healthz over HTTP, with threads of its own: the odometry's thread only
-/// copies numbers under a lock, whatever clients do. At most four clients are served at a time, the next
-/// wait; one whose request is not complete after two seconds is disconnected. See HttpService for the
-/// requests that are answered.
+/// Serves /metrics (Prometheus), /healthz, /readyz and /livez over HTTP, with threads of its own: the
+/// odometry's thread only copies numbers under a lock, whatever clients do. At most four clients are served
+/// at a time, the next wait; one whose request is not complete after two seconds is disconnected. See
+/// HttpService for the requests that are answered.
 class MetricsServer {
  public:
   /// Throws std::runtime_error if it cannot listen at the address or start threads.

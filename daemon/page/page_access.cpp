@@ -93,7 +93,7 @@ void PageAccess::addWrongLogin() {
 }
 
 bool isSameOrigin(const std::string& origin, const std::string& host) {
-  return !host.empty() && origin == "http://" + host;
+  return !host.empty() && (origin == "http://" + host || origin == "https://" + host);
 }
 
 }  // namespace cartvo::daemon

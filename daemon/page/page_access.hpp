@@ -51,7 +51,7 @@ class PageAccess {
 };
 
 /// Whether a request that changes something comes from the page itself: its Origin names the Host that it was
-/// sent to.
+/// sent to, by HTTP or, through a proxy, by HTTPS.
 bool isSameOrigin(const std::string& origin, const std::string& host);
 
 }  // namespace cartvo::daemon

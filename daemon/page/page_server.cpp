@@ -24,6 +24,8 @@ constexpr std::size_t kServerThreads = 4;
 constexpr int kSendBuffer = 512 * 1024;  // bytes; the operating system may give less
 constexpr int kForbidden = 403, kUnauthorized = 401, kTooMany = 429, kNoContent = 204, kNotFound = 404,
               kConflict = 409, kBadRequest = 400;
+constexpr const char* kNotFromPage =
+    "only the page itself can do this; a proxy must send the browser's Host or X-Forwarded-Host";
 
 PageReaders readersOf(const ListenAddress& address) {
   return address.isLoopback() ? PageReaders::everyone : PageReaders::token_holders;
@@ -35,6 +37,14 @@ std::uint64_t number(const Request& request, const char* name, std::uint64_t abs
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size() ? value : absent;
+}
+
+/// Whether the page itself sends the request. A proxy names the host that the browser asked in
+/// X-Forwarded-Host; another site's page cannot send that header.
+bool comesFromPage(const Request& request) {
+  const std::string origin = request.get_header_value("Origin");
+  return isSameOrigin(origin, request.get_header_value("Host")) ||
+         isSameOrigin(origin, request.get_header_value("X-Forwarded-Host"));
 }
 
 void answerText(Response& response, int status, const std::string& text) {
@@ -148,8 +158,7 @@ void PageServer::Implementation::answerFrame(const Request& request, Response& r
 }
 
 void PageServer::Implementation::login(const Request& request, Response& response) {
-  if (!isSameOrigin(request.get_header_value("Origin"), request.get_header_value("Host")))
-    return answerText(response, kForbidden, "only the page itself can log in");
+  if (!comesFromPage(request)) return answerText(response, kForbidden, kNotFromPage);
   if (!access.mayTryLogin()) return answerText(response, kTooMany, "too many wrong tokens: wait a minute");
   if (!access.isToken(request.body)) {
     access.addWrongLogin();
@@ -162,10 +171,9 @@ void PageServer::Implementation::login(const Request& request, Response& respons
 /// A request with a cookie, or of a page that needs none, must come from the page itself; a program that
 /// sends the token as a header need not say where it comes from.
 void PageServer::Implementation::control(const Request& request, Response& response) {
-  const std::string origin = request.get_header_value("Origin");
   const bool sends_token = access.isHolder("", request.get_header_value("Authorization"));
-  if (!(sends_token && origin.empty()) && !isSameOrigin(origin, request.get_header_value("Host")))
-    return answerText(response, kForbidden, "only the page itself can do this");
+  if (!(sends_token && !request.has_header("Origin")) && !comesFromPage(request))
+    return answerText(response, kForbidden, kNotFromPage);
   if (!mayControl(request)) return answerText(response, kUnauthorized, "the token is needed");
   constexpr std::size_t kMaxActionBytes = 64;
   if (request.body.empty() || request.body.size() > kMaxActionBytes)
@@ -183,6 +191,7 @@ PageServer::PageServer(const PageServerSettings& settings, PageContent& content)
                                 " can be reached from other computers: it needs a token");
   page.route();
   page.server.setSendBuffer(kSendBuffer);
+  if (page.access.readers() == PageReaders::token_holders) page.server.allowAnyHost();
   const int port = page.server.bind(settings.address);
   if (port < 0)
     throw std::runtime_error("cannot listen at " + settings.address.text() +

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/lcm_url.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -25,7 +26,7 @@ struct AbstractName {
 };
 
 AbstractName nameOf(const std::string& url) {
-  const std::string text = std::string("cartvo/") + kOdometryChannel + "@" + multicastGroup(url);
+  const std::string text = std::string("cartvo/") + kOdometryChannel + "@" + parseLcmUrl(url).text();
   AbstractName name;
   name.address.sun_family = AF_UNIX;
   const std::size_t length = std::min(text.size(), sizeof name.address.sun_path - 1);

@@ -5,6 +5,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/lcm_url.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -68,7 +69,7 @@ std::string ForeignOdometry::consumeProblem() {
 }
 
 void ForeignOdometry::Receiver::run(const std::string& url) {
-  lcm::LCM lcm(url);
+  lcm::LCM lcm(parseLcmUrl(url).url());
   if (!lcm.good()) return;
   lcm.subscribe(kOdometryChannel, &Receiver::onData, this);
   // Without a descriptor, as after a test that failed, LCM's handleTimeout aborts the process.

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstring>
-#include <regex>
 #include <stdexcept>
 
 #include <arpa/inet.h>
@@ -17,34 +16,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "daemon/publish/lcm_url.hpp"
+
 namespace cartvo::daemon {
 namespace {
-
-struct GroupUrl {
-  std::string address;
-  int port = 0;
-  int ttl = 0;
-};
-
-GroupUrl parseGroupUrl(const std::string& url) {
-  static const std::regex kUrl(R"(udpm://([0-9.]+):([0-9]{1,5})(\?(.*))?)");
-  static const std::regex kTtl("(^|&)ttl=([0-9]{1,3})(&|$)");
-  std::smatch parts;
-  if (!std::regex_match(url, parts, kUrl)) {
-    throw std::invalid_argument("'" + url + "' is not an LCM URL such as udpm://239.255.76.67:7667?ttl=0");
-  }
-  GroupUrl group{parts[1], std::stoi(parts[2]), 0};
-  const std::string options = parts[4];
-  std::smatch ttl;
-  if (std::regex_search(options, ttl, kTtl)) group.ttl = std::stoi(ttl[2]);
-  in_addr parsed{};
-  if (inet_pton(AF_INET, group.address.c_str(), &parsed) != 1 || !IN_MULTICAST(ntohl(parsed.s_addr))) {
-    throw std::invalid_argument("'" + group.address + "' is not a multicast address (224.0.0.0/4)");
-  }
-  if (group.port < 1 || group.port > 65535)
-    throw std::invalid_argument("'" + url + "': the port must be from 1 to 65535");
-  return group;
-}
 
 /// Index of the interface by which packets to `destination` leave (rtnetlink(7), RTM_GETROUTE, as in
 /// `ip route get`); 0 if there is no route. The local address of a connected socket does not identify it: on
@@ -105,17 +80,8 @@ std::string howToAddRoute(const std::string& address) {
 
 }  // namespace
 
-void checkLcmUrl(const std::string& url) {
-  parseGroupUrl(url);
-}
-
-std::string multicastGroup(const std::string& url) {
-  const GroupUrl group = parseGroupUrl(url);
-  return group.address + ":" + std::to_string(group.port);
-}
-
 MulticastRoute findMulticastRoute(const std::string& url) {
-  const GroupUrl group = parseGroupUrl(url);
+  const LcmGroup group = parseLcmUrl(url);
   MulticastRoute route{group.address, "", false, group.ttl};
   std::array<char, IF_NAMESIZE> name{};
   const unsigned index = outgoingInterface(group.address);
@@ -125,28 +91,40 @@ MulticastRoute findMulticastRoute(const std::string& url) {
   return route;
 }
 
-std::unique_ptr<lcm::LCM> connectLcm(const std::string& url) {
+void requireMulticastRoute(const std::string& url) {
   const MulticastRoute route = findMulticastRoute(url);
-  if (route.interface.empty()) {
-    throw std::runtime_error("LCM: this host has no route for the multicast group " + route.address + ". " +
-                             howToAddRoute(route.address));
-  }
-  auto lcm = std::make_unique<lcm::LCM>(url);
+  if (!route.interface.empty()) return;
+  throw std::runtime_error("LCM: this host has no route for the multicast group " + route.address + ". " +
+                           howToAddRoute(route.address));
+}
+
+std::unique_ptr<lcm::LCM> connectLcm(const std::string& url) {
+  requireMulticastRoute(url);
+  auto lcm = std::make_unique<lcm::LCM>(parseLcmUrl(url).url());
   if (!lcm->good()) {
-    throw std::runtime_error("LCM cannot use " + url + " over " + route.interface + ". " +
+    const MulticastRoute route = findMulticastRoute(url);
+    throw std::runtime_error("LCM cannot use " + describeLcmUrl(url) + " over " + route.interface + ". " +
                              howToAddRoute(route.address));
   }
   return lcm;
 }
 
 std::string multicastWarning(const MulticastRoute& route) {
+  if (route.interface.empty()) {
+    return "the route for LCM's multicast group " + route.address + " is gone: " +
+           (route.ttl == 0 ? "programs that start now cannot subscribe" : "messages are not sent") + ". " +
+           howToAddRoute(route.address);
+  }
   if (route.loopback && route.ttl > 0) {
     return "LCM's URL has ttl=" + std::to_string(route.ttl) + ", but its route goes through " +
            route.interface + ": no other host receives these messages";
   }
   if (!route.loopback && route.ttl == 0) {
     return "LCM's URL keeps messages on this host (ttl=0), but its route goes through " + route.interface +
-           ": messages stop when that link goes down. " + howToAddRoute(route.address);
+           ": cartvod sends through lo, but programs in Java, such as lcm-spy, receive nothing, and no "
+           "program "
+           "can subscribe when that link is down. " +
+           howToAddRoute(route.address);
   }
   return {};
 }

@@ -22,23 +22,17 @@ struct MulticastRoute {
   int ttl = 0;  ///< hops; 0 stays on this host
 };
 
-/// Checks an LCM URL. Throws std::invalid_argument if `url` is not udpm://GROUP:PORT[?ttl=N...] with a
-/// multicast GROUP.
-void checkLcmUrl(const std::string& url);
-
-/// GROUP:PORT of an LCM URL. Throws as checkLcmUrl.
-std::string multicastGroup(const std::string& url);
-
-/// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not
-/// udpm://GROUP:PORT[?ttl=N...].
+/// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not one of parseLcmUrl().
 MulticastRoute findMulticastRoute(const std::string& url);
 
-/// Connects to LCM. Throws std::runtime_error if there is no multicast route; the message says how to add
-/// one.
+/// Throws std::runtime_error if there is no multicast route; the message says how to add one.
+void requireMulticastRoute(const std::string& url);
+
+/// Connects to LCM to receive. Throws as requireMulticastRoute().
 std::unique_ptr<lcm::LCM> connectLcm(const std::string& url);
 
-/// Warning for the log if the route does not match the URL's time to live: LCM sends over the default route
-/// without an error. Empty if the route fits.
+/// Warning for the log if the route does not match the URL's time to live, or is absent. Empty if the route
+/// fits.
 std::string multicastWarning(const MulticastRoute& route);
 
 }  // namespace cartvo::daemon

@@ -6,8 +6,6 @@
 #include <limits>
 #include <random>
 
-#include <lcm/lcm-cpp.hpp>
-
 #include "common/host_clock.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 
@@ -129,8 +127,8 @@ odometry_t odometryMessage(const pipeline::NoPair& no_pair, const odometry_t& la
   return message;
 }
 
-OdometryPublisher::OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live)
-    : lcm_(lcm), time_to_live_(time_to_live), source_id_(randomSourceId()), last_{} {
+OdometryPublisher::OdometryPublisher(MessageSender& sender, std::chrono::milliseconds time_to_live)
+    : sender_(sender), time_to_live_(time_to_live), source_id_(randomSourceId()), last_{} {
   setPose(last_, Eigen::Isometry3d::Identity());
 }
 
@@ -156,7 +154,7 @@ const odometry_t& OdometryPublisher::send(const odometry_t& message) {
     last_.reasons = odometry_t::REASON_OFFSET_UNCERTAIN;
     eraseMeasurements(last_);
   }
-  if (lcm_.publish(kOdometryChannel, &last_) != 0) ++failures_;
+  if (!sender_.publish(kOdometryChannel, last_)) ++failures_;
   return last_;
 }
 

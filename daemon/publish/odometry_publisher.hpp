@@ -5,11 +5,8 @@
 
 #include <cartvo/odometry_t.hpp>
 
+#include "daemon/publish/message_sender.hpp"
 #include "pipeline/pipeline.hpp"
-
-namespace lcm {
-class LCM;
-}
 
 // Odometry messages: building and publishing over LCM.
 
@@ -26,8 +23,8 @@ odometry_t odometryMessage(const pipeline::NoPair& no_pair, const odometry_t& la
 /// without gaps, from a source id of its own.
 class OdometryPublisher {
  public:
-  /// `lcm` is borrowed and must outlive the publisher.
-  OdometryPublisher(lcm::LCM& lcm, std::chrono::milliseconds time_to_live);
+  /// `sender` is borrowed and must outlive the publisher.
+  OdometryPublisher(MessageSender& sender, std::chrono::milliseconds time_to_live);
 
   /// Both return the message as it was sent, or as it would have been if sending failed.
   const odometry_t& publish(const pipeline::PairResult& result);
@@ -44,7 +41,7 @@ class OdometryPublisher {
  private:
   const odometry_t& send(const odometry_t& message);
 
-  lcm::LCM& lcm_;
+  MessageSender& sender_;
   std::chrono::microseconds time_to_live_;
   std::int64_t source_id_;
   odometry_t last_;

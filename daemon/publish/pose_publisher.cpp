@@ -8,8 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include <lcm/lcm-cpp.hpp>
-
 namespace cartvo::daemon {
 
 bot_core::pose_t poseMessage(const odometry_t& message, PoseVelocity velocity) {
@@ -30,8 +28,8 @@ bot_core::pose_t poseMessage(const odometry_t& message, PoseVelocity velocity) {
   return pose;
 }
 
-PosePublisher::PosePublisher(lcm::LCM& lcm, std::string channel, PoseVelocity velocity)
-    : lcm_(lcm), channel_(std::move(channel)), velocity_(velocity) {}
+PosePublisher::PosePublisher(MessageSender& sender, std::string channel, PoseVelocity velocity)
+    : sender_(sender), channel_(std::move(channel)), velocity_(velocity) {}
 
 void PosePublisher::setChannel(const std::string& channel, PoseVelocity velocity) {
   channel_ = channel;
@@ -41,7 +39,7 @@ void PosePublisher::setChannel(const std::string& channel, PoseVelocity velocity
 void PosePublisher::publish(const odometry_t& message) {
   if (channel_.empty() || message.status != odometry_t::VALID) return;
   const bot_core::pose_t pose = poseMessage(message, velocity_);
-  lcm_.publish(channel_, &pose);
+  sender_.publish(channel_, pose);
 }
 
 }  // namespace cartvo::daemon

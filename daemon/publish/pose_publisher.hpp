@@ -6,9 +6,7 @@
 #include <bot_core/pose_t.hpp>
 #include <cartvo/odometry_t.hpp>
 
-namespace lcm {
-class LCM;
-}
+#include "daemon/publish/message_sender.hpp"
 
 // Poses for programs that know the type bot_core.pose_t of libbot.
 
@@ -24,8 +22,8 @@ bot_core::pose_t poseMessage(const odometry_t& message, PoseVelocity velocity);
 /// nothing is sent for others.
 class PosePublisher {
  public:
-  /// `lcm` is borrowed and must outlive the publisher. `channel` empty: never publishes.
-  PosePublisher(lcm::LCM& lcm, std::string channel, PoseVelocity velocity);
+  /// `sender` is borrowed and must outlive the publisher. `channel` empty: never publishes.
+  PosePublisher(MessageSender& sender, std::string channel, PoseVelocity velocity);
 
   /// For the messages from now on.
   void setChannel(const std::string& channel, PoseVelocity velocity);
@@ -33,7 +31,7 @@ class PosePublisher {
   void publish(const odometry_t& message);
 
  private:
-  lcm::LCM& lcm_;
+  MessageSender& sender_;
   std::string channel_;
   PoseVelocity velocity_;
 };

@@ -1,6 +1,7 @@
 // cartvod: reads two cameras and publishes the cart's motion over LCM until SIGTERM.
 // Exit codes: 0 stopped cleanly, 1 failed, 2 wrong command line or configuration.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"
@@ -44,8 +46,9 @@ void describe(cartvo::Command program, CommandLine& command_line) {
   program.addVersionFlag("--version", "cartvod " CARTVO_VERSION);
   program.addOption("--config", command_line.configuration, "Configuration file, see cartvod.yaml(5)")
       .required();
-  program.addFlag("--check-config", command_line.check_only,
-                  "Check the configuration, the rig file and the passwords, then exit");
+  program.addFlag(
+      "--check-config", command_line.check_only,
+      "Check the configuration, the rig file, the passwords and the recordings' folder, then exit");
   program.addOption("--record", command_line.recording_directory,
                     "Record both streams as received into this folder (overrides recording.directory)");
   cartvo::addBashCompletionFlag(program, "cartvod");
@@ -114,6 +117,10 @@ int run(const CommandLine& command_line) {
     return kWrongConfiguration;
   }
   if (command_line.check_only) {
+    if (const std::string obstacle = cartvo::daemon::recordingObstacle(configuration); !obstacle.empty()) {
+      spdlog::error(obstacle);
+      return kWrongConfiguration;
+    }
     if (const std::string warning = cartvo::daemon::configurationWarning(configuration); !warning.empty())
       std::fprintf(stderr, "%s: warning: %s\n", configuration.rig.c_str(), warning.c_str());
     std::printf("%s: in order\n", command_line.configuration.c_str());
@@ -142,17 +149,20 @@ int run(const CommandLine& command_line) {
 int main(int argument_count, char** arguments) {
   cartvo::occupyStandardDescriptors();
   cartvo::daemon::setUpLog(spdlog::level::info);
-  const std::vector<std::string> words(arguments, arguments + argument_count);
+  const std::vector<std::string> words(arguments + std::min(1, argument_count), arguments + argument_count);
   cartvo::Program program(
-      words.empty() ? "cartvod" : words.front(),
+      "cartvod",
       "Turns two cameras' streams into the cart's motion and publishes it over LCM. See cartvod(8).");
   CommandLine command_line;
   describe(program.command(), command_line);
+  cartvo::refuseUnusableValues(program.command());
   int code = kStopped;
   try {
-    if (program.parse({words.begin() + (words.empty() ? 0 : 1), words.end()})) code = run(command_line);
+    if (const std::string unknown = cartvo::unknownWord(program.command(), words); !unknown.empty())
+      throw cartvo::CommandLineError(unknown);
+    if (program.parse(words)) code = run(command_line);
   } catch (const cartvo::CommandLineError& error) {
-    std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.what());
+    std::fputs(cartvo::commandLineError(program.command(), error).c_str(), stderr);
     code = kWrongConfiguration;
   }
   const std::string output_error = cartvo::standardOutputError();

@@ -57,7 +57,7 @@ Value choice(const StrictYaml& yaml, const std::array<std::pair<const char*, Val
 }
 
 std::chrono::milliseconds duration(const StrictYaml& seconds, double minimum, double maximum) {
-  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(minimum, maximum)));
+  return std::chrono::milliseconds(std::llround(1000.0 * seconds.number(minimum, maximum, "s")));
 }
 
 /// Parses a path; a relative one is relative to the configuration file's folder.
@@ -100,7 +100,7 @@ void readV4l2Keys(const StrictYaml& yaml, CameraConfiguration& camera) {
   reject_keys({"username", "password_file", "password_credential"}, "an IP camera");
   if (yaml.has("size")) camera.size = imageSize(yaml["size"]);
   if (yaml.has("format")) camera.format = choice(yaml["format"], kFormats);
-  if (yaml.has("exposure")) camera.exposure = yaml["exposure"].number(1e-5, 1.0);
+  if (yaml.has("exposure")) camera.exposure = yaml["exposure"].number(1e-5, 1.0, "s");
   if (yaml.has("gain")) camera.gain = static_cast<int>(yaml["gain"].integer(0, 1'000'000));
 }
 
@@ -126,7 +126,8 @@ CameraConfiguration readCamera(const StrictYaml& yaml, const std::filesystem::pa
     camera.credentials = credentialsFolder(folder);
   }
   readV4l2Keys(yaml, camera);
-  if (yaml.has("readout")) camera.readout = yaml["readout"].number(-calib::kMaxReadout, calib::kMaxReadout);
+  if (yaml.has("readout"))
+    camera.readout = yaml["readout"].number(-calib::kMaxReadout, calib::kMaxReadout, "s");
   const bool has_file = !camera.password_file.empty();
   const bool has_credential = !camera.password_credential.empty();
   if (has_file && has_credential) yaml.fail("give either password_file or password_credential, not both");
@@ -161,7 +162,7 @@ void readCameras(const StrictYaml& yaml, const std::filesystem::path& folder, Co
   if (yaml.has("authentication"))
     configuration.basic_authentication = choice(yaml["authentication"], kAuthentications);
   if (yaml.has("clock")) configuration.clock = choice(yaml["clock"], kClocks);
-  if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0);
+  if (yaml.has("frame_rate")) configuration.frame_rate = yaml["frame_rate"].number(1.0, 240.0, "Hz");
   readTimeouts(yaml, configuration);
 }
 
@@ -177,11 +178,11 @@ vo::RigRefinement rigRefinement(const StrictYaml& yaml) {
 /// Limits above these ranges are none; below them no motion is ever valid.
 void readAlertLimits(const StrictYaml& yaml, pipeline::AlertLimits& limits) {
   yaml.allowOnly(kAlertLimitsKeys);
-  if (yaml.has("velocity")) limits.velocity = yaml["velocity"].number(0.01, 100.0);
+  if (yaml.has("velocity")) limits.velocity = yaml["velocity"].number(0.01, 100.0, "m/s");
   if (yaml.has("angular_rate"))
-    limits.angular_rate = kRadiansPerDegree * yaml["angular_rate"].number(0.1, 1000.0);
-  if (yaml.has("motion")) limits.motion = yaml["motion"].number(0.01, 100.0);
-  if (yaml.has("rotation")) limits.rotation = kRadiansPerDegree * yaml["rotation"].number(0.1, 180.0);
+    limits.angular_rate = kRadiansPerDegree * yaml["angular_rate"].number(0.1, 1000.0, "deg/s");
+  if (yaml.has("motion")) limits.motion = yaml["motion"].number(0.01, 100.0, "m");
+  if (yaml.has("rotation")) limits.rotation = kRadiansPerDegree * yaml["rotation"].number(0.1, 180.0, "deg");
 }
 
 void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
@@ -196,9 +197,10 @@ void readOdometry(const StrictYaml& yaml, Configuration& configuration) {
   }
   if (yaml.has("online_rig_refinement"))
     odometry.rig_refinement = rigRefinement(yaml["online_rig_refinement"]);
-  if (yaml.has("maximum_offset")) odometry.validity.maximum_offset = yaml["maximum_offset"].number(0.0, 1.0);
+  if (yaml.has("maximum_offset"))
+    odometry.validity.maximum_offset = yaml["maximum_offset"].number(0.0, 1.0, "s");
   if (yaml.has("maximum_offset_uncertainty")) {
-    odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0);
+    odometry.validity.maximum_offset_uncertainty = yaml["maximum_offset_uncertainty"].number(0.0, 1.0, "s");
   }
   if (yaml.has("alert_limits")) readAlertLimits(yaml["alert_limits"], configuration.alert_limits);
   if (yaml.has("threads")) configuration.threads = static_cast<int>(yaml["threads"].integer(1, 64));
@@ -222,13 +224,9 @@ void readPose(const StrictYaml& lcm, Configuration& configuration) {
 void readLcm(const StrictYaml& yaml, Configuration& configuration) {
   yaml.allowOnly(kLcmKeys);
   if (yaml.has("url")) {
-    static const std::regex kUdpMulticastUrl(R"(udpm://[0-9.]+:[0-9]+(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
     configuration.lcm_url = yaml["url"].text();
-    if (!std::regex_match(configuration.lcm_url, kUdpMulticastUrl)) {
-      yaml["url"].failExpecting("a URL such as udpm://239.255.76.67:7667?ttl=0");
-    }
     try {
-      checkLcmUrl(configuration.lcm_url);
+      parseLcmUrl(configuration.lcm_url);
     } catch (const std::invalid_argument& error) {
       yaml["url"].fail(error.what());
     }
@@ -244,11 +242,12 @@ void readRecording(const StrictYaml& yaml, const std::filesystem::path& folder,
   if (yaml.has("start")) configuration.recording_start = choice(yaml["start"], kRecordingStarts);
   capture::RecordingQuota& quota = configuration.recording_quota;
   const auto bytes = [](const StrictYaml& gigabytes, double minimum) {
-    return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6) * kGigabyte));
+    return static_cast<std::uint64_t>(std::llround(gigabytes.number(minimum, 1e6, "GB") * kGigabyte));
   };
   if (yaml.has("maximum_size")) quota.maximum_bytes = bytes(yaml["maximum_size"], 1.0);
   if (yaml.has("maximum_age")) {
-    quota.maximum_age = std::chrono::seconds(std::llround(yaml["maximum_age"].number(0.01, 1e4) * kDay));
+    quota.maximum_age =
+        std::chrono::seconds(std::llround(yaml["maximum_age"].number(0.01, 1e4, "days") * kDay));
   }
   if (yaml.has("keep_free")) quota.keep_free_bytes = bytes(yaml["keep_free"], 0.0);
 }
@@ -296,6 +295,7 @@ Configuration buildConfiguration(const StrictYaml& yaml, const std::filesystem::
   yaml.allowOnly(kRootKeys);
 
   Configuration configuration;
+  configuration.lcm_url = defaultLcmUrl();
   readCameras(yaml["cameras"], folder, configuration);
   if (rig == RigKey::required || yaml.has("rig")) configuration.rig = path(yaml["rig"], folder);
   if (yaml.has("tables")) configuration.tables = path(yaml["tables"], folder);

@@ -15,6 +15,7 @@
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "common/http/listen_address.hpp"
+#include "daemon/publish/lcm_url.hpp"
 #include "daemon/publish/pose_publisher.hpp"
 #include "pipeline/protection_level.hpp"
 
@@ -78,7 +79,7 @@ struct Configuration {
   pipeline::AlertLimits alert_limits;
   int threads = 2;  ///< for the image operations of one pair
 
-  std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string lcm_url = kDefaultLcmUrl;  ///< read from a file: defaultLcmUrl() where the file has none
   std::chrono::milliseconds time_to_live{250};
   std::string pose_channel;  ///< of bot_core.pose_t; empty: not published
   PoseVelocity pose_velocity = PoseVelocity::local;

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <lcm/lcm-cpp.hpp>
 #include <opencv2/core/utility.hpp>
 #include <spdlog/spdlog.h>
 
@@ -32,6 +31,7 @@
 #include "daemon/publish/channel_reservation.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
+#include "daemon/publish/message_sender.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/pose_publisher.hpp"
 #include "daemon/service/camera_password.hpp"
@@ -83,12 +83,15 @@ class Daemon::Implementation {
   void reload(const Configuration& next);
 
  private:
+  void startServers();
+  void startMetrics();
   void startPage();
   bool mayPublish();
   void onPair(const pipeline::PairResult& result);
   void onNoPair(const pipeline::NoPair& no_pair);
   void tick();
   void applyReload();
+  void watchRoute();
   void publishHealth(Clock::time_point now);
   std::string statusLine(const health_t& health);
 
@@ -97,7 +100,8 @@ class Daemon::Implementation {
   std::optional<Configuration> reloaded_;  ///< not applied yet
   calib::Rig rig_;
   ChannelReservation reservation_;
-  std::unique_ptr<lcm::LCM> lcm_;
+  GroupSender sender_;
+  std::optional<MulticastRoute> route_;
   OdometryPublisher publisher_;
   ForeignOdometry foreign_;
   bool is_sole_publisher_ = false;
@@ -124,8 +128,8 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
     : configuration_(configuration),
       rig_(readConfiguredRig(configuration)),
       reservation_(configuration.lcm_url),
-      lcm_(connectLcm(configuration.lcm_url)),
-      publisher_(*lcm_, configuration.time_to_live),
+      sender_(configuration.lcm_url),
+      publisher_(sender_, configuration.time_to_live),
       foreign_(configuration.lcm_url, publisher_.sourceId()),
       recording_(configuration),
       clock_(configuration.clock),
@@ -134,38 +138,46 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       processor_(rig_, loadRectifier(rig_, configuration.tables),
                  {configuration.odometry, pipeline::AbsentReadout::unknown, configuration.alert_limits}),
       pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
-      pose_publisher_(*lcm_, configuration.pose_channel, configuration.pose_velocity),
+      pose_publisher_(sender_, configuration.pose_channel, configuration.pose_velocity),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
   cv::setNumThreads(configuration.threads);
-  const MulticastRoute route = findMulticastRoute(configuration.lcm_url);
-  spdlog::info("LCM: {} through {}", configuration.lcm_url, route.interface);
-  if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+  spdlog::info("LCM: {}", describeLcmUrl(configuration.lcm_url));
+  watchRoute();
   if (!calib::hasMount(rig_)) spdlog::warn("{}: {}", configuration.rig.string(), calib::kNoMountText);
-  if (configuration.metrics) {
-    metrics_ = std::make_unique<MetricsServer>(*configuration.metrics);
-    spdlog::info("metrics: http://{}/metrics and /healthz", metrics_->address());
-  }
   recording_.observe(left_, right_);
-  if (configuration.page.listen) startPage();
+  startServers();
 }
 
-/// Starts the status page, whose buttons start and stop recordings. A taken port is logged but does not stop
-/// the daemon, because controllers need the motion.
+/// Starts the servers that are configured and do not run yet. One that cannot listen is logged and tried
+/// again with each health message, because controllers need the motion: another program may leave the port,
+/// the address may come with a cable.
+void Daemon::Implementation::startServers() {
+  try {
+    if (configuration_.metrics && !metrics_) startMetrics();
+  } catch (const std::runtime_error& error) {
+    warnings_.warn(std::string("no metrics are served yet: ") + error.what());
+  }
+  try {
+    if (configuration_.page.listen && !page_) startPage();
+  } catch (const std::runtime_error& error) {
+    warnings_.warn(std::string("the status page is not served yet: page.listen: ") + error.what() +
+                   " As a service, another port than 9465 needs SocketBindAllow=");
+  }
+}
+
+void Daemon::Implementation::startMetrics() {
+  metrics_ = std::make_unique<MetricsServer>(*configuration_.metrics);
+  spdlog::info("metrics: http://{}/metrics, /healthz, /readyz and /livez", metrics_->address());
+}
+
+/// Its buttons start and stop recordings.
 void Daemon::Implementation::startPage() {
   const PageServerSettings settings{*configuration_.page.listen, readPageToken(configuration_.page),
                                     PageControllers::token_holders};
-  try {
-    page_ = std::make_unique<StatusPage>(
-        settings, rig_.name,
-        RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
-  } catch (const std::runtime_error& error) {
-    spdlog::error(
-        "the status page is not served: page.listen: {} As a service, another port than 9465 needs "
-        "SocketBindAllow=",
-        error.what());
-    return;
-  }
+  page_ = std::make_unique<StatusPage>(
+      settings, rig_.name,
+      RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
   processor_.setViewer(page_->viewer());
   spdlog::info("status page: {}", page_->url());
 }
@@ -254,7 +266,19 @@ void Daemon::Implementation::tick() {
   }
 }
 
+/// Network managers change routes while the daemon runs; LCM says nothing of that.
+void Daemon::Implementation::watchRoute() {
+  const MulticastRoute route = findMulticastRoute(configuration_.lcm_url);
+  if (route_ && route_->interface == route.interface) return;
+  route_ = route;
+  if (!route.interface.empty())
+    spdlog::info("LCM: the route for {} goes through {}", route.address, route.interface);
+  if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+}
+
 void Daemon::Implementation::publishHealth(Clock::time_point now) {
+  watchRoute();
+  startServers();
   clock_.setHostClockCorrection(hostClockCorrection());
   const std::string foreign = foreign_.consumeProblem();
   HealthSnapshot snapshot;
@@ -263,12 +287,13 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   snapshot.counts = pipeline_.counts();
   snapshot.clock = clock_.status();
   snapshot.problem = foreign.empty() ? pipeline_.problem() : foreign;
+  if (snapshot.problem.empty() && route_->interface.empty()) snapshot.problem = multicastWarning(*route_);
   snapshot.features = configuration_.odometry.features;
   snapshot.recording = recording_.problem(warnings_);
   snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
   if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
-  lcm_->publish(kHealthChannel, &message);
+  sender_.publish(kHealthChannel, message);
   if (metrics_) metrics_->setHealth(message);
   if (page_) page_->setHealth(message, recording_.state());
   service_.setStatus(statusLine(message));
@@ -286,8 +311,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
              {{"CARTVO_EVENT", "self_check"}, {"CARTVO_SELF_CHECK", in_order ? "passed" : "failed"}});
   }
   if (publisher_.failures() > reported_failures_) {
-    warnings_.warn(
-        "LCM: messages could not be sent; check the multicast route with 'ip route get 239.255.76.67'");
+    warnings_.warn(fmt::format("LCM: messages could not be sent ({}); check the route with 'ip route get {}'",
+                               sender_.error(), route_->address));
     reported_failures_ = publisher_.failures();
   }
 }

@@ -1,13 +1,18 @@
 // Recording of the daemon's cameras: start, stop, problems.
 #include "daemon/service/live_recording.hpp"
 
+#include <cerrno>
 #include <chrono>
 #include <ctime>
 #include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "calib/format/rig_file.hpp"
 #include "daemon/diagnostics/journal.hpp"
@@ -26,12 +31,31 @@ std::string recordingFolderName() {
   return fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
 }
 
+std::string recordingObstacle(const Configuration& configuration) {
+  if (configuration.recording_directory.empty()) return {};
+  std::error_code ignored;
+  std::filesystem::path folder = configuration.recording_directory;
+  const bool is_one = configuration.recording_quota.recordings.empty();  // that of --record
+  if (is_one && std::filesystem::is_directory(folder, ignored) && !std::filesystem::is_empty(folder, ignored))
+    return folder.string() + ": is not empty; give --record a new folder";
+  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  const std::string purpose = ": recordings are to be written here, but it ";
+  if (!std::filesystem::is_directory(folder, ignored)) return folder.string() + purpose + "is no folder";
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    return folder.string() + purpose + "is not writable: " + std::generic_category().message(errno);
+  return {};
+}
+
 void LiveRecording::observe(LiveCamera& left, LiveCamera& right) {
   if (configuration_.recording_directory.empty()) return;
   left.observe(switch_.left());
   right.observe(switch_.right());
   if (configuration_.recording_start == RecordingStart::automatic)
     refused_ = startIn(configuration_.recording_directory);
+  const bool is_asked_for = configuration_.recording_quota.recordings.empty();
+  if (is_asked_for && !refused_.empty())
+    throw std::runtime_error("cartvod ends, because --record asks for a recording that cannot be made");
 }
 
 capture::RecordingSettings LiveRecording::settings() const {

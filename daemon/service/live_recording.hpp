@@ -16,14 +16,19 @@ namespace cartvo::daemon {
 /// its previous run.
 std::string recordingFolderName();
 
+/// Why no recording can be written where the configuration or --record says; empty: nothing is known that
+/// hinders it.
+std::string recordingObstacle(const Configuration& configuration);
+
 /// Recording of the daemon's cameras as configured. A failure is logged and reported but does not stop the
-/// daemon, because controllers need the motion.
+/// daemon, because controllers need the motion; at the start with --record it does.
 class LiveRecording {
  public:
   explicit LiveRecording(const Configuration& configuration) : configuration_(configuration) {}
 
   /// Receives the streams of the cameras, which this object must outlive, and starts to record them if the
-  /// configuration says so. Call it before the cameras are read.
+  /// configuration says so. Call it before the cameras are read. Throws std::runtime_error if the
+  /// recording of --record cannot be started.
   void observe(LiveCamera& left, LiveCamera& right);
 
   // May be called from any thread, for the status page: in a new folder, with the same quota. Both return why

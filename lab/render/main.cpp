@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "lab/render/render_options.hpp"
 #include "lab/render/rendered_world.hpp"
-#include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/simulate/content_files.hpp"

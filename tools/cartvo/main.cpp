@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "common/command_line/bash_completion.hpp"
+#include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
 #include "common/files/file_system_error.hpp"
 #include "common/printable_text.hpp"
-#include "tools/cartvo/command_line.hpp"
 #include "tools/cartvo/commands.hpp"
 
 namespace {

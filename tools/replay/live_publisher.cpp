@@ -5,8 +5,6 @@
 #include <cmath>
 #include <thread>
 
-#include <lcm/lcm-cpp.hpp>
-
 #include "common/host_clock.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
@@ -23,10 +21,7 @@ std::int64_t nowUtime() {
 
 }  // namespace
 
-LivePublisher::LivePublisher(const std::string& url, double speed)
-    : lcm_(daemon::connectLcm(url)), speed_(speed) {}
-
-LivePublisher::~LivePublisher() = default;
+LivePublisher::LivePublisher(const std::string& url, double speed) : sender_(url), speed_(speed) {}
 
 void LivePublisher::publish(const pipeline::PairResult& result) {
   recorded_.push_back(daemon::odometryMessage(result));
@@ -62,7 +57,7 @@ void LivePublisher::send(const odometry_t& recorded) {
   message.reset_counter += epoch_;
   message.time_to_live_us = std::chrono::microseconds(daemon::Configuration{}.time_to_live).count();
   message.publication_utime = nowUtime();
-  lcm_->publish(daemon::kOdometryChannel, &message);
+  sender_.publish(daemon::kOdometryChannel, message);
 }
 
 }  // namespace cartvo

@@ -2,17 +2,13 @@
 
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <cartvo/odometry_t.hpp>
 
+#include "daemon/publish/message_sender.hpp"
 #include "pipeline/pipeline.hpp"
-
-namespace lcm {
-class LCM;
-}
 
 namespace cartvo {
 
@@ -20,11 +16,8 @@ namespace cartvo {
 /// are moved to now, so that a controller accepts the messages. Gaps of the recording are silence.
 class LivePublisher {
  public:
-  /// `url`: see daemon::connectLcm. `speed`: 2 publishes twice as fast; the velocities are not changed.
+  /// `url`: see daemon::GroupSender. `speed`: 2 publishes twice as fast; the velocities are not changed.
   LivePublisher(const std::string& url, double speed);
-  ~LivePublisher();
-  LivePublisher(const LivePublisher&) = delete;
-  LivePublisher& operator=(const LivePublisher&) = delete;
 
   /// Waits until the pair is due and publishes it.
   void publish(const pipeline::PairResult& result);
@@ -38,7 +31,7 @@ class LivePublisher {
   /// A recorded instant moved to now, us.
   std::int64_t moved(std::int64_t recorded_utime) const;
 
-  std::unique_ptr<lcm::LCM> lcm_;
+  daemon::GroupSender sender_;
   double speed_;
   std::vector<odometry_t> recorded_;
   std::int64_t first_utime_ = 0;  ///< recorded instant of the first pair, us

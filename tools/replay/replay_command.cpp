@@ -56,7 +56,7 @@ struct Options {
   std::filesystem::path video;
   int threads = 2;
   bool publish = false, loop = false, json = false;
-  std::string url = daemon::Configuration{}.lcm_url;
+  std::string url = daemon::defaultLcmUrl();
   double speed = 1.0;
   std::optional<ListenAddress> page;
   std::filesystem::path page_token;

@@ -163,10 +163,11 @@ static double next_authority(double authority, bool usable, double cycle_s) {
 }
 
 int main(int argument_count, char** arguments) {
-  const char* url = argument_count > 1 ? arguments[1] : "udpm://239.255.76.67:7667?ttl=0";
+  const char* url = argument_count > 1 ? arguments[1] : NULL;  // LCM_DEFAULT_URL, else udpm://239.255.76.67:7667
   lcm_t* lcm = lcm_create(url);
   if (lcm == NULL) {
-    fprintf(stderr, "cannot open LCM at %s: check that a multicast route exists, see cartvod(8)\n", url);
+    fprintf(stderr, "cannot open LCM at %s: check that a multicast route exists, see cartvod(8)\n",
+            url == NULL ? "its default URL" : url);
     return 1;
   }
   setvbuf(stdout, NULL, _IOLBF, 0);

@@ -6,7 +6,7 @@
 
 int main(int argument_count, char** arguments) {
   constexpr double kDamping = 1500.0;  // N s/m
-  const std::string lcm_url = argument_count > 1 ? arguments[1] : cartvo::client::kDefaultLcmUrl;
+  const std::string lcm_url = argument_count > 1 ? arguments[1] : cartvo::client::defaultLcmUrl();
   return cartvo::runController(
       lcm_url, "N", [](const cartvo::client::Motion& motion) { return -kDamping * motion.velocity[2]; });
 }

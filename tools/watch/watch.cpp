@@ -211,11 +211,12 @@ std::string joined(const Fields& fields, int dispensable) {
       "no message on {} within {:.0f} s.\n"
       "  Is the daemon running?      systemctl status cartvod; it publishes at the full rate "
       "even without cameras\n"
-      "  Does it use the same URL?   here: {}; daemon: lcm.url in its configuration\n"
+      "  Does it use the same URL?   here: {}; daemon: lcm.url in its configuration, else LCM_DEFAULT_URL\n"
       "  Is the route the same?      here: {}; compare 'ip route get {}' on both computers\n"
       "  Is it on another computer?  the daemon needs ttl=1 in lcm.url, and the network must "
       "forward multicast",
-      daemon::kOdometryChannel, settings.first_message, settings.url, route.interface, route.address));
+      daemon::kOdometryChannel, settings.first_message, daemon::describeLcmUrl(settings.url), route.interface,
+      route.address));
 }
 
 std::string delayText(const OdometrySummary& summary) {

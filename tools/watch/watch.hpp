@@ -4,13 +4,14 @@
 
 #include <cartvo/health_t.hpp>
 
+#include "daemon/publish/lcm_url.hpp"
 #include "tools/watch/odometry_statistics.hpp"
 
 namespace cartvo {
 
 /// Settings of `cartvo watch`.
 struct WatchSettings {
-  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string url = daemon::defaultLcmUrl();
   double seconds = 0.0;          ///< s, end this long after the first message; 0: at SIGINT or SIGTERM
   double until_silent = 0.0;     ///< s, end after this time without a pair; 0: never
   double first_message = 15.0;   ///< s, time limit for the first message

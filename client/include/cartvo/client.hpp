@@ -22,6 +22,10 @@ namespace cartvo::client {
 constexpr const char* kOdometryChannel = "CARTVO_ODOMETRY";
 constexpr const char* kDefaultLcmUrl = "udpm://239.255.76.67:7667?ttl=0";
 
+/// The URL of the environment variable LCM_DEFAULT_URL, which LCM's own programs and cartvo follow too, else
+/// kDefaultLcmUrl.
+std::string defaultLcmUrl();
+
 using SteadyClock = std::chrono::steady_clock;
 
 /// Current system time, us since the Unix epoch.
@@ -225,7 +229,7 @@ class ControllerOdometry {
 
 /// Subscriber to CARTVO_ODOMETRY for a control loop:
 ///
-///   lcm::LCM lcm(kDefaultLcmUrl);      // check lcm.good()
+///   lcm::LCM lcm(defaultLcmUrl());     // check lcm.good()
 ///   OdometryClient odometry(lcm);
 ///   each cycle:  odometry.update(0);
 ///                const ControllerInput input = odometry.input();

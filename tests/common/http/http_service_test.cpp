@@ -60,8 +60,9 @@ class RawClient {
 
 class HttpServiceTest : public testing::Test {
  protected:
-  void start(const HttpLimits& limits) {
+  void start(const HttpLimits& limits, bool any_host = false) {
     server_.emplace(kThreads, limits);
+    if (any_host) server_->allowAnyHost();
     server_->Get("/", [this](const httplib::Request&, httplib::Response& response) {
       response.set_content(content_, "text/plain");
     });
@@ -170,11 +171,37 @@ TEST_F(HttpServiceTest, DisconnectsAClientThatTakesNoAnswer) {
   EXPECT_TRUE(answerTo("GET /other HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 404"));
 }
 
-TEST_F(HttpServiceTest, RefusesOtherMethodsAndHosts) {
+TEST_F(HttpServiceTest, AnswersMonitors) {
   start({});
-  EXPECT_TRUE(answerTo("HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 403"));
-  EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: attacker.example\r\n\r\n").starts_with("HTTP/1.1 403"));
-  EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 403"));
+  const std::string head = answerTo("HEAD / HTTP/1.1\r\nHost: LocalHost:80\r\n\r\n");
+  EXPECT_TRUE(head.starts_with("HTTP/1.1 200")) << head;
+  EXPECT_NE(head.find("Content-Length: 7\r\n"), std::string::npos) << head;
+  EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
+  const std::string old = answerTo("GET / HTTP/1.0\r\n\r\n");
+  EXPECT_NE(old.find(" 200 "), std::string::npos) << old;
+  EXPECT_TRUE(old.ends_with("\r\n\r\ncontent")) << old;
+}
+
+TEST_F(HttpServiceTest, RefusesOtherMethodsAndHostsWithASentence) {
+  start({});
+  for (const char* method : {"OPTIONS", "PUT", "DELETE", "POST"}) {
+    const std::string answer = answerTo(std::string(method) + " / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 405")) << answer;
+    EXPECT_NE(answer.find("Allow: GET, HEAD\r\n"), std::string::npos) << answer;
+    EXPECT_NE(answer.find("takes the methods"), std::string::npos) << answer;
+  }
+  for (const char* host : {"attacker.example", "127.0.0.1.example", "x"}) {
+    const std::string answer = answerTo("GET / HTTP/1.1\r\nHost: " + std::string(host) + "\r\n\r\n");
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 403")) << answer;
+    EXPECT_NE(answer.find("Behind a proxy"), std::string::npos) << answer;
+  }
+  const std::string absent = answerTo("GET /other HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_TRUE(absent.ends_with("there is nothing at this path\n")) << absent;
+}
+
+TEST_F(HttpServiceTest, AnswersAnyHostIfAllowed) {
+  start({}, true);
+  EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: cart.example\r\n\r\n").starts_with("HTTP/1.1 200"));
 }
 
 TEST_F(HttpServiceTest, IgnoresRangesBecauseManyMakeAnAnswerOfAnySize) {

@@ -20,6 +20,7 @@ TEST(ListenAddress, IsAPortOrAddressAndPort) {
   EXPECT_TRUE(ListenAddress::parse("[::1]:81").isLoopback());
   EXPECT_EQ(ListenAddress::parse("[::1]:81").text(), "[::1]:81");
   EXPECT_EQ(ListenAddress::parse("81").text(), "127.0.0.1:81");
+  EXPECT_EQ(ListenAddress::parse("localhost:81").text(), "127.0.0.1:81");
   for (const char* const wrong : {"", "live", "70000", "-1", "cart:80", "127.0.0.1:", "1.2.3:80", "80 "}) {
     EXPECT_THAT(test::messageOf([&] { ListenAddress::parse(wrong); }),
                 HasSubstr("is neither PORT nor ADDRESS:PORT"))

@@ -30,8 +30,19 @@ TEST(RepeatedWarnings, DistinguishesTextsAndStoresLimitedNumber) {
   RepeatedWarnings warnings;
   const RepeatedWarnings::Clock::time_point now;
   for (int i = 0; i < 1000; ++i)
-    EXPECT_NE(warnings.due(std::to_string(i), now), "");
-  EXPECT_EQ(warnings.due("999", now), "");
+    EXPECT_NE(warnings.due("camera" + std::to_string(i), now), "");
+  EXPECT_EQ(warnings.due("camera999", now), "");
+}
+
+TEST(RepeatedWarnings, TakesTextsWithOtherNumbersForTheSame) {
+  RepeatedWarnings warnings;
+  const RepeatedWarnings::Clock::time_point now;
+  EXPECT_NE(warnings.due("the clocks differ by 25.3 ms (-12, \u00b10.4): 7 %", now), "");
+  EXPECT_EQ(warnings.due("the clocks differ by 5 ms (3, \u00b11e-3): 80 %", now), "");
+  EXPECT_NE(warnings.due("no answer of 10.0.0.1:554", now), "");
+  EXPECT_NE(warnings.due("no answer of 10.0.0.2:554", now), "");
+  warnings.forget("the clocks differ by 1 ms (2, \u00b13): 4 %");
+  EXPECT_NE(warnings.due("the clocks differ by 25.3 ms (-12, \u00b10.4): 7 %", now), "");
 }
 
 }  // namespace

@@ -103,9 +103,17 @@ TEST_F(MetricsServerTest, SaysWhetherTheDaemonIsHealthy) {
             503);
 }
 
+TEST_F(MetricsServerTest, IsAliveWhateverTheCamerasDoAndReadyOnceTheyStream) {
+  EXPECT_EQ(client_.Get("/livez")->status, 200);
+  EXPECT_EQ(client_.Head("/livez")->status, 200);
+  const httplib::Result waiting = client_.Get("/readyz");
+  EXPECT_EQ(waiting->status, 503);
+  EXPECT_THAT(waiting->body, HasSubstr("the left camera is connecting"));
+}
+
 TEST_F(MetricsServerTest, RefusesOtherRequests) {
   EXPECT_EQ(client_.Get("/")->status, 404);
-  EXPECT_EQ(client_.Post("/metrics", "x", "text/plain")->status, 403);
+  EXPECT_EQ(client_.Post("/metrics", "x", "text/plain")->status, 405);
   EXPECT_EQ(client_.Get("/metrics", httplib::Headers{{"Host", "attacker.example"}})->status, 403);
 }
 
@@ -124,7 +132,7 @@ TEST_F(MetricsServerTest, NamesAPortThatIsTaken) {
   EXPECT_THAT(test::messageOf([&] {
                 MetricsServer({"127.0.0.1", port()});
               }),
-              HasSubstr("is the port taken?"));
+              HasSubstr("is the port taken,"));
 }
 
 }  // namespace

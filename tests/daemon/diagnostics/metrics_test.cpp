@@ -164,5 +164,17 @@ TEST_F(HealthAnswerTest, IsNotHealthyWithAStalledStage) {
   EXPECT_THAT(answer().line, StartsWith("stalled: no odometry message for 10 s"));
 }
 
+TEST_F(HealthAnswerTest, IsReadyOnlyWithOdometryAndBothCameras) {
+  state_.health.left.state = state_.health.right.state = camera_health_t::STREAMING;
+  EXPECT_TRUE(readyAnswer(state_, now_).is_healthy);
+  state_.health.right.state = camera_health_t::STALLED;
+  state_.health.right.last_error = "no data for 1 s";
+  EXPECT_FALSE(readyAnswer(state_, now_).is_healthy) << "the last estimate may still be VALID";
+  EXPECT_EQ(readyAnswer(state_, now_).line, "the right camera is stalled: no data for 1 s");
+  state_.health.right.state = camera_health_t::STREAMING;
+  state_.last_valid -= milliseconds(1001);
+  EXPECT_FALSE(readyAnswer(state_, now_).is_healthy);
+}
+
 }  // namespace
 }  // namespace cartvo::daemon

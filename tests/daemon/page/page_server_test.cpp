@@ -163,6 +163,14 @@ TEST_F(PageServerTest, OtherHostNamesAreRefused) {
             403);
 }
 
+TEST_F(PageServerTest, AProxyNamesTheHostThatTheBrowserAsked) {
+  serve("127.0.0.1");
+  EXPECT_EQ(post("/login", kToken, {{"Origin", "https://cart.example"}}), 403);
+  EXPECT_EQ(
+      post("/login", kToken, {{"Origin", "https://cart.example"}, {"X-Forwarded-Host", "cart.example"}}),
+      204);
+}
+
 TEST_F(PageServerTest, RefusesWrongTokensAndThenAllForAWhile) {
   serve("127.0.0.1");
   for (int i = 0; i < 10; ++i)
@@ -182,8 +190,8 @@ TEST_F(PageServerTest, RefusesHostileRequests) {
   EXPECT_EQ(post("/control", "", kBearer), 400);
   EXPECT_EQ(post("/control", std::string(1000, 'a'), kBearer), 400);
   EXPECT_NE(post("/control", std::string(100'000, 'a'), kBearer), 204) << "more than a request may have";
-  EXPECT_EQ(post("/frame", "x", kBearer), 403);
-  EXPECT_EQ(client_->Delete("/frame")->status, 403);
+  EXPECT_EQ(post("/frame", "x", kBearer), 405);
+  EXPECT_EQ(client_->Delete("/frame")->status, 405);
   for (const char* pair : {"-1", "", "99999999999999999999999", "7x", "%00", "../7"})
     EXPECT_EQ(get(std::string("/frame?pair=") + pair), 404) << pair;
   EXPECT_THAT(content_.actions, IsEmpty());

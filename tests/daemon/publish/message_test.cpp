@@ -13,11 +13,11 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <lcm/lcm-cpp.hpp>
 
 #include "common/host_clock.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/publish/odometry_reasons.hpp"
+#include "support/daemon/sent_messages.hpp"
 #include "support/pipeline/valid_result.hpp"
 #include "support/places.hpp"
 
@@ -89,8 +89,8 @@ TEST(OdometryMessage, ComesBackFromItsBytes) {
 }
 
 TEST(OdometryMessage, NamesItsSourceByANumberOfItsOwn) {
-  lcm::LCM lcm("memq://");
-  OdometryPublisher first(lcm, std::chrono::milliseconds(200)), second(lcm, std::chrono::milliseconds(200));
+  test::SentMessages sent;
+  OdometryPublisher first(sent, std::chrono::milliseconds(200)), second(sent, std::chrono::milliseconds(200));
   const std::int64_t id = first.publish(validResult()).source_id;
   EXPECT_GT(id, 0);
   EXPECT_EQ(first.publish(pipeline::NoPair{}).source_id, id);
@@ -131,8 +131,8 @@ TEST(OdometryMessage, IsInvalidWithoutVelocity) {
 }
 
 TEST(OdometryMessage, IsInvalidWithAnInstantThatIsStillToCome) {
-  lcm::LCM lcm("memq://");
-  OdometryPublisher publisher(lcm, std::chrono::milliseconds(200));
+  test::SentMessages sent;
+  OdometryPublisher publisher(sent, std::chrono::milliseconds(200));
   pipeline::PairResult result = validResult();
   result.left.exposure_ns = result.right.exposure_ns = hostNow() - 50'000'000;
   EXPECT_EQ(publisher.publish(result).status, +odometry_t::VALID);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <lcm/lcm-cpp.hpp>
 
 namespace cartvo::daemon {
 namespace {
@@ -51,38 +50,23 @@ TEST(PoseMessage, HoldsTheVelocityInTheChosenAxes) {
   EXPECT_NEAR(local.vel[2], 0.1, 1e-12);
 }
 
-class PosePublisherTest : public testing::Test {
- protected:
-  PosePublisherTest() { lcm_.subscribe(".*", &PosePublisherTest::onPose, this); }
-
-  void onPose(const lcm::ReceiveBuffer*, const std::string&, const bot_core::pose_t* pose) {
-    received_.push_back(*pose);
-  }
-  void receiveAll() {
-    while (lcm_.handleTimeout(0) > 0) {
-    }
-  }
-
-  lcm::LCM lcm_{"memq://"};
-  std::vector<bot_core::pose_t> received_;
-};
-
-TEST_F(PosePublisherTest, SendsValidPosesOnly) {
-  PosePublisher publisher(lcm_, "POSE_BODY", PoseVelocity::body);
+TEST(PosePublisher, SendsValidPosesOnly) {
+  test::SentMessages sent;
+  PosePublisher publisher(sent, "POSE_BODY", PoseVelocity::body);
   odometry_t message = turnedCart();
   publisher.publish(message);
   message.status = odometry_t::INVALID;
   publisher.publish(message);
-  receiveAll();
-  ASSERT_EQ(received_.size(), 1U);
-  EXPECT_EQ(received_.front().vel[0], 4.0);
+  const std::vector<bot_core::pose_t> poses = sent.on<bot_core::pose_t>("POSE_BODY");
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses.front().vel[0], 4.0);
 }
 
-TEST_F(PosePublisherTest, IsOffWithoutAChannel) {
-  PosePublisher publisher(lcm_, "", PoseVelocity::body);
+TEST(PosePublisher, IsOffWithoutAChannel) {
+  test::SentMessages sent;
+  PosePublisher publisher(sent, "", PoseVelocity::body);
   publisher.publish(turnedCart());
-  receiveAll();
-  EXPECT_TRUE(received_.empty());
+  EXPECT_EQ(sent.count(), 0U);
 }
 
 }  // namespace

@@ -100,9 +100,9 @@ TEST_F(ConfigurationFile, NamesWrongTypeAndValueOutOfRange) {
                     HasSubstr("'loud'")));
   EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {url: \"tcp://1.2.3.4\"}\n"),
               HasSubstr("udpm://239.255.76.67"));
-  EXPECT_THAT(
-      errorOf(std::string(kMinimal) + "lcm: {url: \"udpm://10.0.0.1:7667?ttl=0\"}\n"),
-      AllOf(HasSubstr("cartvod.yaml:7: lcm.url"), HasSubstr("'10.0.0.1' is not a multicast address")));
+  EXPECT_THAT(errorOf(std::string(kMinimal) + "lcm: {url: \"udpm://10.0.0.1:7667?ttl=0\"}\n"),
+              AllOf(HasSubstr("cartvod.yaml:7: lcm.url"),
+                    HasSubstr("names '10.0.0.1', which is not a multicast address")));
 }
 
 TEST_F(ConfigurationFile, ReadsAlertLimitsWithAnglesInDegrees) {

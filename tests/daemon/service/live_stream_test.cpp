@@ -312,9 +312,11 @@ TEST(LcmConnection, ErrorExplainsHowToAddMissingRoute) {
 
 TEST(LcmConnection, WarnsIfRouteDoesNotMatchTimeToLive) {
   EXPECT_THAT(multicastWarning({"239.255.76.67", "eth0", false, 0}),
-              HasSubstr("stop when that link goes down"));
+              HasSubstr("through lo, but programs in Java"));
   EXPECT_THAT(multicastWarning({"239.255.76.67", "lo", true, 1}), HasSubstr("no other host receives"));
   EXPECT_EQ(multicastWarning({"239.255.76.67", "eth1", false, 1}), "");
+  EXPECT_THAT(multicastWarning({"239.255.76.67", "", false, 0}), HasSubstr("cannot subscribe"));
+  EXPECT_THAT(multicastWarning({"239.255.76.67", "", false, 1}), HasSubstr("messages are not sent"));
 }
 
 TEST(LcmConnection, RejectsNonMulticastUrl) {

@@ -1,5 +1,5 @@
 // Error messages for command lines with unknown commands and options.
-#include "tools/cartvo/command_line.hpp"
+#include "common/command_line/command_line.hpp"
 
 #include <algorithm>
 #include <filesystem>

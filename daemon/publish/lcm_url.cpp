@@ -1,0 +1,63 @@
+// Parses LCM's URLs.
+#include "daemon/publish/lcm_url.hpp"
+
+#include <cstdlib>
+#include <regex>
+#include <stdexcept>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+namespace cartvo::daemon {
+namespace {
+
+constexpr const char* kVariable = "LCM_DEFAULT_URL";
+
+std::string variable() {
+  const char* url = std::getenv(kVariable);
+  return url == nullptr ? "" : url;
+}
+
+[[noreturn]] void fail(const std::string& url, const std::string& text) {
+  throw std::invalid_argument("'" + url + "'" +
+                              (url == variable() ? std::string(" (of the variable ") + kVariable + ")" : "") +
+                              " " + text);
+}
+
+}  // namespace
+
+std::string defaultLcmUrl() {
+  const std::string url = variable();
+  return url.empty() ? kDefaultLcmUrl : url;
+}
+
+std::string describeLcmUrl(const std::string& url) {
+  return url == variable() ? url + " (" + kVariable + ")" : url;
+}
+
+LcmGroup parseLcmUrl(const std::string& url) {
+  static const std::regex kProvider("([a-z]+)://.*");
+  static const std::regex kUrl(R"(udpm://([0-9.]*)(:([0-9]{1,5}))?(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
+  static const std::regex kTtl("[?&]ttl=([0-9]{1,3})(&|$)");
+  const std::string example = std::string(" such as ") + kDefaultLcmUrl;
+  std::smatch parts;
+  if (std::regex_match(url, parts, kProvider) && parts[1] != "udpm") {
+    fail(url, "has LCM's provider '" + parts[1].str() +
+                  "': cartvo sends and receives by UDP multicast only; use a URL" + example);
+  }
+  if (!std::regex_match(url, parts, kUrl)) fail(url, "is not a URL of LCM's UDP multicast" + example);
+  LcmGroup group;
+  if (parts[1].length() > 0) group.address = parts[1];
+  if (parts[3].length() > 0) group.port = std::stoi(parts[3]);
+  group.options = parts[4];
+  std::smatch ttl;
+  if (std::regex_search(group.options, ttl, kTtl)) group.ttl = std::stoi(ttl[1]);
+  in_addr parsed{};
+  if (inet_pton(AF_INET, group.address.c_str(), &parsed) != 1 || !IN_MULTICAST(ntohl(parsed.s_addr)))
+    fail(url, "names '" + group.address + "', which is not a multicast address (224.0.0.0/4)");
+  if (group.port < 1 || group.port > 65535) fail(url, "names a port that is not from 1 to 65535");
+  if (group.ttl > 255) fail(url, "names a ttl that is not from 0 to 255");
+  return group;
+}
+
+}  // namespace cartvo::daemon

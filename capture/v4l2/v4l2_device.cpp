@@ -7,7 +7,6 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -18,6 +17,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "common/exact_text.hpp"
 #include "common/printable_text.hpp"
 
 namespace cartvo::capture {
@@ -86,12 +86,6 @@ int xioctl(int descriptor, unsigned long request, void* argument) {
 
 std::string toText(const cv::Size& size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
-std::string toText(double number) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%g", number);
-  return digits;
 }
 
 /// A format's four characters, such as "RG10" of a raw Bayer sensor.
@@ -252,8 +246,8 @@ void V4l2Device::setFrameRate(double frame_rate) const {
   if (interval.numerator == 0) return;
   const double got = static_cast<double>(interval.denominator) / interval.numerator;
   if (std::abs(got - frame_rate) > kRateTolerance * frame_rate)
-    fail("cannot deliver " + toText(frame_rate) + " pictures per second, the nearest rate is " + toText(got) +
-         "; set cameras.frame_rate to a rate that it supports");
+    fail("cannot deliver " + roundedText(frame_rate) + " pictures per second, the nearest rate is " +
+         roundedText(got) + "; set cameras.frame_rate to a rate that it supports");
 }
 
 void V4l2Device::setControls(const V4l2Mode& mode) const {
@@ -284,8 +278,8 @@ void V4l2Device::setControl(std::uint32_t id, std::int32_t value, const std::str
   const bool in_range = value >= query.minimum && value <= query.maximum;
   if (in_range && xioctl(descriptor_, VIDIOC_S_CTRL, &setting) == 0) return;
   const double unit = id == V4L2_CID_EXPOSURE_ABSOLUTE ? kExposureUnit : 1.0;
-  fail("does not accept the " + key + " " + toText(unit * value) + "; it can be " +
-       toText(unit * query.minimum) + " to " + toText(unit * query.maximum));
+  fail("does not accept the " + key + " " + roundedText(unit * value) + "; it can be " +
+       roundedText(unit * query.minimum) + " to " + roundedText(unit * query.maximum));
 }
 
 void V4l2Device::mapBuffers() {

@@ -13,6 +13,7 @@
 
 #include "capture/codec/image_completeness.hpp"
 #include "common/ascii_text.hpp"
+#include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
 #include "common/natural_order.hpp"
 
@@ -30,6 +31,8 @@ bool isDigit(char character) {
 }
 
 [[noreturn]] void failToDecode(const fs::path& file, const std::string& problem) {
+  if (const std::string format = foreignFormat(file); !format.empty())
+    throw std::runtime_error(file.string() + " " + format);
   throw std::runtime_error(file.string() + ": " + problem + "; expected a complete file in " +
                            "one of the formats " + kImageFormats + "; copy it again");
 }

@@ -17,6 +17,7 @@
 #include "capture/dataset/frame_interval.hpp"
 #include "capture/dataset/video_file_problem.hpp"
 #include "common/exact_text.hpp"
+#include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
 #include "common/statistics.hpp"
 
@@ -134,6 +135,8 @@ void VideoFileSource::Implementation::open() {
   }
   // FFmpeg opens a file whose index is cut off as one without streams.
   if (stream < 0 && isUnfinishedMp4(file)) requireSuccess(AVERROR_INVALIDDATA);
+  if (const std::string format = stream < 0 ? foreignFormat(file) : ""; !format.empty())
+    throw std::runtime_error(file.string() + " " + format);
   if (stream < 0) throw std::runtime_error(file.string() + " contains no video");
   header_rate = av_q2d(av_guess_frame_rate(input.get(), input->streams[stream], nullptr));
   openDecoder();

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
-#include <type_traits>
 #include <string_view>
+#include <type_traits>
 
 #include "capture/codec/picture_checksum.hpp"
 #include "common/input_file.hpp"

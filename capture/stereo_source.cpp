@@ -9,6 +9,7 @@
 
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_source.hpp"
+#include "common/files/foreign_format.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -68,7 +69,10 @@ StereoSource openSource(const std::filesystem::path& path) {
 StereoSource openSource(const std::filesystem::path& path, const SourceSettings& settings) {
   if (!std::filesystem::exists(path))
     throw std::runtime_error(path.string() + " does not exist; expected a folder with a recording or images");
-  if (!std::filesystem::is_directory(path))
+  const bool is_folder = std::filesystem::is_directory(path);
+  const std::string foreign = is_folder ? "" : foreignFormat(path);
+  if (!foreign.empty()) throw std::runtime_error(path.string() + " " + foreign);
+  if (!is_folder)
     throw std::runtime_error(path.string() +
                              " is not a folder; expected a folder with a recording or images, or two videos");
   if (isRecording(path) && settings.frame_rate > 0.0) {
@@ -89,6 +93,8 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
                              ": has the parts of a recording, but no recording.json; copy it from where the "
                              "recording was made, or replay a part's left.mkv and right.mkv as videos");
   }
+  if (const std::string contents = foreignContents(path); !contents.empty())
+    throw std::runtime_error(path.string() + " " + contents);
   throw std::runtime_error(path.string() +
                            " cannot be replayed. Looked for: a recording (recording.json and "
                            "000000/left.mkv), " +

@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/files/foreign_format.hpp"
+
 namespace cartvo {
 namespace {
 
@@ -109,6 +111,7 @@ std::string readInputFile(const std::filesystem::path& file, std::uintmax_t max_
 }
 
 std::string readInputText(const std::filesystem::path& file, std::uintmax_t max_bytes) {
+  if (const std::string format = foreignFormat(file); !format.empty()) fail(file, "it " + format);
   return withoutByteOrderMark(readInputFile(file, max_bytes));
 }
 

@@ -13,6 +13,7 @@
 
 #include <yaml-cpp/eventhandler.h>
 
+#include "common/exact_text.hpp"
 #include "common/input_file.hpp"
 #include "common/printable_text.hpp"
 
@@ -72,14 +73,6 @@ bool collectNumbers(const YAML::Node& node, int levels, std::vector<double>& num
 }
 
 constexpr int kMatrixLevels = 2;  // a sequence of rows
-
-std::string shortest(double number) {
-  std::array<char, 32> text{};
-  constexpr int kDigits = 10;  // 1e6 as 1000000
-  const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, kDigits);
-  return {text.data(), end};
-}
 
 /// Number of the first line whose indentation has a tab, which yaml-cpp does not name; 0 if there is none.
 int lineIndentedByTab(const std::string& text) {
@@ -238,7 +231,7 @@ std::int64_t StrictYaml::integer(std::int64_t min, std::int64_t max) const {
 double StrictYaml::number(double min, double max, const std::string& unit) const {
   double value = 0.0;
   if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= min && value <= max)) {
-    failExpecting("a number from " + shortest(min) + " to " + shortest(max) +
+    failExpecting("a number from " + roundedText(min) + " to " + roundedText(max) +
                   (unit.empty() ? "" : " " + unit));
   }
   return value;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <utility>
 
+#include "common/exact_text.hpp"
 #include "vo_core/geometry/pose_drift.hpp"
 
 namespace cartvo::pipeline {
@@ -48,11 +48,11 @@ int LimitedBound::quality() const {
 
 std::string LimitedBound::text() const {
   const QuantityWords& words = wordsOf(quantity);
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "%s %s %.2f %s, alert limit %.2f %s",
-                words.axes[static_cast<std::size_t>(axis)], words.is_known, words.unit_factor * bound,
-                words.unit, words.unit_factor * limit, words.unit);
-  return text.data();
+  const auto in_unit = [&words](double value) {
+    return fixedText(words.unit_factor * value, 2) + " " + words.unit;
+  };
+  return std::string(words.axes[static_cast<std::size_t>(axis)]) + " " + words.is_known + " " +
+         in_unit(bound) + ", alert limit " + in_unit(limit);
 }
 
 LimitedBound worstBound(const ProtectionLevel& level, const AlertLimits& limits) {

@@ -26,11 +26,13 @@ FoundRig findRig(const capture::StereoSource& source, const std::filesystem::pat
     return {calib::readRigFiles({left_sensor, right_sensor}), left_sensor.string()};
   if (!source.calib_file.empty())
     return {calib::readRigFiles({source.calib_file}, reading), source.calib_file.string()};
+  if (!std::filesystem::is_directory(path))
+    throw std::runtime_error(path.string() + ": no rig file found. Give the cameras' by --rig FILE");
   throw std::runtime_error(
       path.string() +
-      ": no rig file found. Give --rig FILE, or put a rig.yaml (cartvo's own or "
-      "OpenCV's K1 D1 K2 D2 R T image_size), KITTI's calib.txt or Kalibr's camchain.yaml into "
-      "the folder");
+      ": no rig file found. Give --rig FILE, or put a rig.yaml (cartvo's own or OpenCV's K1 D1 K2 D2 R T "
+      "image_size), KITTI's calib.txt or Kalibr's camchain.yaml into the folder, or EuRoC's sensor.yaml into "
+      "mav0/cam0 and mav0/cam1");
 }
 
 }  // namespace cartvo::pipeline

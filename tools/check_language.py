@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms, and comments and
-doc strings that begin with "What".
+"""tools/check_language.py [FILE ...]: refuses words that docs/glossary.md replaces by the field's terms, comments and
+doc strings that begin with "What", and in C++ numbers as text that depend on the host's locale.
 
 Looks at identifiers, comments, texts and prose of all tracked sources, tests, scripts and documentation, or of the given
 files. The glossary itself is left out. Identifiers are split into their words, so that
 `StandWitness` and `stand_witness` are found by `witness`. Comments are those of C++, Python, shell, CMake and LCM files;
 headings of documentation may begin with "What". Prints FILE:LINE, the word, and what to say instead.
+
+Programs that use the library may set a locale with a decimal comma or groups of digits. The library's sources write and
+read numbers by common/exact_text.hpp and std::from_chars; no program of cartvo sets a locale, so they may use printf.
 """
 import pathlib
 import re
@@ -44,6 +47,16 @@ KINDS = (".cpp", ".hpp", ".js", ".md", ".py", ".pyi", ".sh", ".yaml", ".lcm", ".
 WITHOUT_COMMENTS = (".md", ".txt", ".1", ".5", ".8")
 # A comment or doc string that begins with "What", also the rest of a comment that continues on this line.
 WHAT_COMMENT = re.compile(r'(?:(?<!:)//+[/!]?<?|(?:^|\s)#+:?|"""|/\*+)\s*What\b')
+LIBRARY = ("common/", "vo_core/", "calib/", "capture/", "pipeline/", "client/", "python/")
+SETS_LOCALE = re.compile(r"\bsetlocale\b|\blocale::global\b|\blocale\(\"\"")
+BY_LOCALE = re.compile(r"\b(?:sto(?:d|f|ld)|strto(?:d|f|ld)|atof|sscanf|setprecision|[io]?stringstream|cv::format)\b"
+                       r"|printf\s*\([^;]*?(?<!%)%[-+ #0-9.*]*L?[aefgAEFG]")
+# Streams of text without numbers.
+TEXT_STREAMS = {
+    "capture/dataset/image_folder.cpp": "istringstream", "capture/isapi/known_cameras.cpp": "istringstream",
+    "capture/isapi/xml_document.cpp": "ostringstream", "capture/recording/recording_index.cpp": "istringstream",
+    "common/strict_yaml.cpp": "istringstream",
+}
 PATTERN = re.compile("|".join(rf"(?P<g{i}>\b(?:{pattern})\b)" for i, pattern in enumerate(REJECTED)))
 
 
@@ -56,10 +69,23 @@ def has_comments(file: pathlib.Path) -> bool:
     return file.suffix not in WITHOUT_COMMENTS or file.name == "CMakeLists.txt"
 
 
+def locale_findings(name: str, text: str) -> list[str]:
+    """Uses of the host's locale in a C++ source."""
+    if not name.endswith((".cpp", ".hpp")) or name.startswith("tests/"):
+        return []
+    found = list(SETS_LOCALE.finditer(text))
+    if name.startswith(LIBRARY):
+        found += [match for match in BY_LOCALE.finditer(text)
+                  if match.group() != TEXT_STREAMS.get(name)]
+    return [f"{name}:{text.count(chr(10), 0, match.start()) + 1}: \"{match.group().split('(')[0]}\" depends on the host's "
+            "locale: use common/exact_text.hpp or std::from_chars" for match in found]
+
+
 def findings(file: pathlib.Path) -> list[str]:
     name = file.relative_to(ROOT).as_posix()
-    found = []
-    for number, line in enumerate((file.read_text(errors="replace") if file.exists() else "").splitlines(), 1):
+    text = file.read_text(errors="replace") if file.exists() else ""
+    found = locale_findings(name, text)
+    for number, line in enumerate(text.splitlines(), 1):
         for match in PATTERN.finditer(words_of(line)):
             if match.group(0) in ALLOWED.get(name, ()):
                 continue

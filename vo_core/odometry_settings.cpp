@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
+#include "common/exact_text.hpp"
 #include "vo_core/tuned_constants.hpp"
 
 namespace cartvo::vo {
@@ -14,9 +14,9 @@ namespace {
 template <typename Number>
 void requireRange(const char* name, Number value, Number low, Number high) {
   if (value >= low && value <= high) return;  // false for NaN
-  std::ostringstream message;
-  message << name << " is " << value << ": expected " << low << " to " << high;
-  throw std::invalid_argument(message.str());
+  const auto text = [](Number number) { return roundedText(static_cast<double>(number)); };
+  throw std::invalid_argument(std::string(name) + " is " + text(value) + ": expected " + text(low) + " to " +
+                              text(high));
 }
 
 void validate(const MotionSettings& settings) {

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
+
+#include "common/exact_text.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -13,9 +14,7 @@ constexpr double kLongestReadout = 0.2;  // s: a frame period at 5 Hz
 
 void require(bool sensible, const char* name, double value, const char* expected) {
   if (sensible) return;
-  std::ostringstream message;
-  message << name << " is " << value << " s: expected " << expected;
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument(std::string(name) + " is " + roundedText(value) + " s: expected " + expected);
 }
 
 void validate(const Shutter& shutter, const char* readout, const char* stddev) {

@@ -2,17 +2,17 @@
 #include "vo_core/stereo_camera.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
+
+#include "common/exact_text.hpp"
 
 namespace cartvo::vo {
 namespace {
 
 void require(bool sensible, const char* name, double value, const char* expected) {
   if (sensible) return;
-  std::ostringstream message;
-  message << "stereo camera: " << name << " is " << value << ": expected " << expected;
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument(std::string("stereo camera: ") + name + " is " + roundedText(value) +
+                              ": expected " + expected);
 }
 
 }  // namespace

@@ -4,19 +4,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "common/exact_text.hpp"
 #include "common/statistics.hpp"
 
 namespace cartvo::calib {
 namespace {
-
-std::string oneDigit(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
 
 /// Ratio of the singular values of the affine map from board to image that fits the corners best.
 double foreshorteningOf(const std::vector<SeenCorner>& seen,
@@ -81,19 +75,19 @@ std::string qualityProblem(const ViewQuality& quality, double usual_edge_width) 
   constexpr double kMaxForeshortening = 4.0;
   if (!std::isfinite(quality.foreshortening)) return "the corners that it shows lie on one line";
   if (quality.foreshortening > kMaxForeshortening) {
-    return "the board is tilted too far: its squares look " + oneDigit(quality.foreshortening) +
+    return "the board is tilted too far: its squares look " + fixedText(quality.foreshortening, 1) +
            " times as long as wide";
   }
   if (quality.contrast < kMinContrast) {
     if (quality.white < kMinWhite)
-      return "it is too dark: the board's white is at grey level " + oneDigit(quality.white);
+      return "it is too dark: the board's white is at grey level " + fixedText(quality.white, 1);
     if (quality.black > kMaxBlack)
-      return "it is overexposed: the board's black is at grey level " + oneDigit(quality.black);
-    return "the board's black and white are only " + oneDigit(quality.contrast) + " grey levels apart";
+      return "it is overexposed: the board's black is at grey level " + fixedText(quality.black, 1);
+    return "the board's black and white are only " + fixedText(quality.contrast, 1) + " grey levels apart";
   }
   if (quality.edge_width > std::max(kMaxSharpWidth, kMaxRelativeWidth * usual_edge_width)) {
-    return "it is blurred: edges are " + oneDigit(quality.edge_width) + " px wide, in other views " +
-           oneDigit(usual_edge_width) + " px";
+    return "it is blurred: edges are " + fixedText(quality.edge_width, 1) + " px wide, in other views " +
+           fixedText(usual_edge_width, 1) + " px";
   }
   return {};
 }

@@ -2,8 +2,8 @@
 #include "calib/format/kitti_rig.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -18,13 +18,23 @@ namespace {
 
 /// The numbers behind a key, separated by blanks.
 std::vector<double> readNumbers(const StrictYaml& yaml, std::size_t count, const char* meaning) {
-  std::istringstream text(yaml.text());
+  const std::string text = yaml.text();
+  const char* position = text.data();
+  const char* const end = text.data() + text.size();
+  const auto skip_blanks = [&] {
+    position = std::find_if(position, end, [](char c) { return c != ' ' && c != '\t'; });
+  };
   std::vector<double> values;
-  for (double value = 0.0; values.size() <= count && text >> value;)
+  for (skip_blanks(); position != end && values.size() <= count; skip_blanks()) {
+    if (*position == '+' && position + 1 != end && position[1] != '-') ++position;
+    double value = 0.0;
+    const auto [behind, error] = std::from_chars(position, end, value);
+    const bool is_whole = behind == end || *behind == ' ' || *behind == '\t';
+    if (error != std::errc() || !is_whole || !std::isfinite(value)) break;
     values.push_back(value);
-  const bool is_finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !text.eof() || !is_finite)
+    position = behind;
+  }
+  if (values.size() != count || position != end)
     yaml.failExpecting(std::to_string(count) + " numbers, " + meaning);
   return values;
 }

@@ -1,15 +1,14 @@
 // Checks that the values of a rig describe two cameras of one rig.
 #include "calib/model/rig_validation.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "calib/model/rotation.hpp"
+#include "common/exact_text.hpp"
 #include "common/units.hpp"
 
 namespace cartvo::calib {
@@ -48,8 +47,8 @@ class Findings {
   void check(const std::string& subject, double value, double min, double max, const char* unit,
              const std::string& question) {
     if (value >= min && value <= max) return;
-    const std::string statement =
-        subject + " is " + rounded(value) + unit + " (expected " + rounded(min) + " to " + rounded(max) + ")";
+    const std::string statement = subject + " is " + roundedText(value, 4) + unit + " (expected " +
+                                  roundedText(min, 4) + " to " + roundedText(max, 4) + ")";
     for (auto& [known, statements] : kinds_) {
       if (known != question) continue;
       statements += ", " + statement;
@@ -66,12 +65,6 @@ class Findings {
   }
 
  private:
-  static std::string rounded(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.4g", value);
-    return text.data();
-  }
-
   std::vector<std::pair<std::string, std::string>> kinds_;  ///< question and statements
 };
 
@@ -135,7 +128,7 @@ void validateRig(const Rig& rig) {
   }
   if (!(rig.baseline() >= kMinBaseline && rig.baseline() <= kMaxBaseline)) {
     throw std::invalid_argument(
-        "rig: the baseline is " + std::to_string(rig.baseline()) + " m, expected 0.005 m to 10 m; " +
+        "rig: the baseline is " + roundedText(rig.baseline()) + " m, expected 0.005 m to 10 m; " +
         (rig.baseline() < kMinBaseline ? "do the files describe the same camera twice?"
                                        : "was the board's square given in millimetres?"));
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "calib/rectification/rectification.hpp"
 #include "calib/solver/initial_calibration.hpp"
 #include "calib/solver/rectified_points.hpp"
+#include "common/exact_text.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -190,10 +190,8 @@ void refusePoorModels(std::size_t chosen, std::vector<CandidateModel>& candidate
   const double least = candidates[chosen].validation->rms;
   for (CandidateModel& candidate : candidates) {
     if (!candidate.refusal.empty() || candidate.validation->rms <= kMaxErrorRatio * least) continue;
-    char times[32];
-    std::snprintf(times, sizeof times, "%.1f", candidate.validation->rms / least);
-    candidate.refusal = std::string("its error on held-out views is ") + times + " times that of " +
-                        modelName(candidates[chosen].model);
+    candidate.refusal = "its error on held-out views is " + fixedText(candidate.validation->rms / least, 1) +
+                        " times that of " + modelName(candidates[chosen].model);
   }
 }
 
@@ -286,9 +284,7 @@ std::vector<std::string> reservationsOf(const Calibration& calibration) {
 
 std::string pixelText(double pixels) {
   if (!std::isfinite(pixels)) return "not seen";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f px", pixels);
-  return text;
+  return fixedText(pixels, 2) + " px";
 }
 
 double scaleStddev(const Calibration& calibration) {

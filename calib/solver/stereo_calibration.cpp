@@ -4,10 +4,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "calib/solver/initial_calibration.hpp"
+#include "common/exact_text.hpp"
 
 namespace cartvo::calib {
 namespace {
@@ -43,12 +43,6 @@ std::vector<ParameterEstimate> estimatesOf(const BoardAdjustment& adjustment, co
                          std::sqrt(std::max(covariance(index, index), 0.0))});
   }
   return estimates;
-}
-
-std::string twoDigits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
 }
 
 /// The view without the corners whose residuals exceed the gate (px).
@@ -137,8 +131,8 @@ CleanedViews rejectOutliers(const StereoCalibration& calibration, const std::vec
     const double share = static_cast<double>(cornersOf(kept)) /
                          static_cast<double>(std::max<std::size_t>(cornersOf(views[i]), 1));
     if (share < kMinShare && rms[i] > kViewGate * median) {
-      cleaned.rejected.push_back({views[i].name, "the RMS error of its corners is " + twoDigits(rms[i]) +
-                                                     " px (median of all views: " + twoDigits(median) +
+      cleaned.rejected.push_back({views[i].name, "the RMS error of its corners is " + fixedText(rms[i], 2) +
+                                                     " px (median of all views: " + fixedText(median, 2) +
                                                      " px): did the board move, or is it not flat?"});
       continue;
     }

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
+
+#include "common/exact_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -64,9 +65,7 @@ OffsetEstimate weightedMean(const std::vector<OffsetEstimate>& estimates) {
 }
 
 std::string inSeconds(double nanoseconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", std::abs(nanoseconds) * 1e-9);
-  return text;
+  return fixedText(std::abs(nanoseconds) * 1e-9, 3) + " s";
 }
 
 }  // namespace
@@ -199,21 +198,15 @@ std::string StereoTimestamper::timeBaseProblem() const {
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
     const std::string camera = std::string("the ") + (i == 0 ? "left" : "right") + " camera's RTP time ";
-    char text[200];
     if (const std::optional<double> deviation = clock.pace().deviation()) {
-      std::snprintf(
-          text, sizeof text,
-          "runs %.1f %% too %s, so that no motion can be measured: its frame rate is set to one that it "
-          "does not reach; set a lower one in the camera",
-          100.0 * std::abs(*deviation), *deviation > 0.0 ? "fast" : "slow");
-      return camera + text;
+      return camera + "runs " + fixedText(100.0 * std::abs(*deviation), 1) + " % too " +
+             (*deviation > 0.0 ? "fast" : "slow") +
+             ", so that no motion can be measured: its frame rate is set to one that it "
+             "does not reach; set a lower one in the camera";
     }
     if (clock.jump() && clock.seconds() < kJumpReported) {
-      std::snprintf(
-          text, sizeof text,
-          "jumped by %.3f s within the connection, and its clock began anew: did its encoder restart?",
-          *clock.jump());
-      return camera + text;
+      return camera + "jumped by " + fixedText(*clock.jump(), 3) +
+             " s within the connection, and its clock began anew: did its encoder restart?";
     }
   }
   return {};

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <stdexcept>
 
+#include "common/exact_text.hpp"
 #include "common/statistics.hpp"
 
 namespace cartvo::capture {
@@ -23,9 +23,7 @@ constexpr std::array<NamedUnit, 4> kUnits{
     {{"seconds", 1.0}, {"milliseconds", 1e-3}, {"microseconds", 1e-6}, {"nanoseconds", 1e-9}}};
 
 std::string intervalText(double seconds) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g s", seconds);
-  return text.data();
+  return roundedText(seconds, 3) + " s";
 }
 
 /// The unit in which an interval of so many units is plausible, and nearest to the usual one; null if none.

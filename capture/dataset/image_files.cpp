@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdint>
 #include <map>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "capture/codec/image_completeness.hpp"
 #include "common/ascii_text.hpp"
+#include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
 #include "common/natural_order.hpp"
 
@@ -30,26 +30,9 @@ bool isDigit(char character) {
   return std::isdigit(static_cast<unsigned char>(character)) != 0;
 }
 
-/// Whether a PNG, JPEG or BMP ends before its last part. Decoders make grey of the missing rows of a JPEG.
-bool isCutOff(std::string_view bytes) {
-  using std::string_view_literals::operator""sv;
-  if (bytes.starts_with("\x89PNG"sv)) return bytes.find("IEND"sv) == std::string_view::npos;
-  const auto at = [bytes](std::size_t index) { return static_cast<std::uint8_t>(bytes[index]); };
-  constexpr std::size_t kBmpHeader = 14;
-  if (bytes.starts_with("BM"sv) && bytes.size() >= kBmpHeader)
-    return (at(2) | at(3) << 8U | at(4) << 16U | static_cast<std::size_t>(at(5)) << 24U) > bytes.size();
-  if (!bytes.starts_with("\xff\xd8"sv)) return false;
-  std::size_t position = 2;
-  constexpr std::size_t kSegmentHeader = 4;
-  while (position + kSegmentHeader <= bytes.size() && bytes[position] == '\xff' &&
-         bytes[position + 1] != '\xda') {
-    position += 2 + 256U * at(position + 2) + at(position + 3);
-  }
-  // Behind the headers, which may contain a thumbnail.
-  return bytes.find("\xff\xd9"sv, std::min(position, bytes.size())) == std::string_view::npos;
-}
-
 [[noreturn]] void failToDecode(const fs::path& file, const std::string& problem) {
+  if (const std::string format = foreignFormat(file); !format.empty())
+    throw std::runtime_error(file.string() + " " + format);
   throw std::runtime_error(file.string() + ": " + problem + "; expected a complete file in " +
                            "one of the formats " + kImageFormats + "; copy it again");
 }
@@ -173,7 +156,7 @@ ImageSubfolders findImageSubfolders(const fs::path& folder) {
 cv::Mat decodeGreyImage(const fs::path& file) {
   const std::string bytes = readInputFile(file, kMaxFileBytes);
   if (bytes.empty()) failToDecode(file, "is empty");
-  if (isCutOff(bytes)) failToDecode(file, "is cut off: its end is missing");
+  if (isCutOffImage(bytes)) failToDecode(file, "is cut off: its end is missing");
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
   cv::Mat image;
   try {

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <optional>
 
+#include "common/files/foreign_format.hpp"
+
 namespace cartvo::capture {
 namespace {
 
@@ -67,6 +69,7 @@ Mp4Index findMp4Index(const std::filesystem::path& file) {
 std::string videoFileProblem(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::file_size(file, error) == 0) return "it is empty: the recorder wrote nothing into it";
+  if (const std::string format = foreignFormat(file); !format.empty()) return "it " + format;
   switch (findMp4Index(file)) {
     case Mp4Index::missing:
     case Mp4Index::truncated:

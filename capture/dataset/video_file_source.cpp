@@ -3,10 +3,8 @@
 #include "capture/dataset/video_file_source.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -18,6 +16,8 @@
 #include "capture/codec/luma_plane.hpp"
 #include "capture/dataset/frame_interval.hpp"
 #include "capture/dataset/video_file_problem.hpp"
+#include "common/exact_text.hpp"
+#include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
 #include "common/statistics.hpp"
 
@@ -48,12 +48,6 @@ std::vector<int> videoTracks(const AVFormatContext& context) {
       tracks.push_back(static_cast<int>(i));
   }
   return tracks;
-}
-
-std::string numberText(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
 }
 
 std::shared_ptr<AVFrame> makeFrame() {
@@ -141,6 +135,8 @@ void VideoFileSource::Implementation::open() {
   }
   // FFmpeg opens a file whose index is cut off as one without streams.
   if (stream < 0 && isUnfinishedMp4(file)) requireSuccess(AVERROR_INVALIDDATA);
+  if (const std::string format = stream < 0 ? foreignFormat(file) : ""; !format.empty())
+    throw std::runtime_error(file.string() + " " + format);
   if (stream < 0) throw std::runtime_error(file.string() + " contains no video");
   header_rate = av_q2d(av_guess_frame_rate(input.get(), input->streams[stream], nullptr));
   openDecoder();
@@ -160,7 +156,7 @@ void VideoFileSource::Implementation::chooseTimes() {
                              " is a raw stream: nothing in it says how many pictures a second " +
                              "it has. Give the cameras' frame rate by --frame-rate HZ");
   }
-  time_note = file.string() + " is a raw stream without time stamps; the " + numberText(frame_rate) +
+  time_note = file.string() + " is a raw stream without time stamps; the " + roundedText(frame_rate, 4) +
               " Hz that it declares are used. If the camera had another rate, give --frame-rate HZ";
 }
 
@@ -190,7 +186,7 @@ void VideoFileSource::Implementation::requireUsableTimes() const {
   const double interval = 2 * stamps.size() > pictures && !intervals.empty() ? medianOf(intervals) : 0.0;
   if (isPlausibleInterval(interval)) return;
   throw std::runtime_error(file.string() + " has no usable time stamps: " +
-                           (interval > 0.0 ? "their median interval is " + numberText(interval) + " s"
+                           (interval > 0.0 ? "their median interval is " + roundedText(interval, 4) + " s"
                                            : "most pictures have none, or the same") +
                            ". Give the cameras' frame rate by --frame-rate HZ");
 }
@@ -277,8 +273,9 @@ std::string VideoFileSource::Implementation::problemAtEnd() const {
                              : static_cast<double>(video.start_time) * av_q2d(video.time_base);
     const double read = file_time - start;
     if (duration - read > std::max(kMinMissing_s, kMinMissingFraction * duration)) {
-      problem += (problem.empty() ? "" : "; ") + std::string("its pictures end after ") + numberText(read) +
-                 " s of the " + numberText(duration) + " s that its header states: it is cut off or damaged";
+      problem += (problem.empty() ? "" : "; ") + std::string("its pictures end after ") +
+                 roundedText(read, 4) + " s of the " + roundedText(duration, 4) +
+                 " s that its header states: it is cut off or damaged";
     }
   }
   return problem.empty() ? "" : file.string() + ": " + problem;

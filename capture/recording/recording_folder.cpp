@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/durable_file.hpp"
+#include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
 #include "common/planted_link.hpp"
 #include "common/printable_text.hpp"
@@ -54,6 +55,17 @@ bool isRecording(const std::filesystem::path& folder) {
 
 RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kDescriptionFile;
+  if (!std::filesystem::exists(file)) {
+    const bool is_folder = std::filesystem::is_directory(folder);
+    std::string reason = is_folder ? foreignContents(folder) : foreignFormat(folder);
+    if (reason.empty()) {
+      reason = is_folder
+                   ? "contains no recording.json"
+                   : std::string(std::filesystem::exists(folder) ? "is not a folder" : "does not exist");
+      reason += "; expected the folder of a recording ('cartvod --record', or recording.directory)";
+    }
+    throw std::runtime_error(folder.string() + " " + reason);
+  }
   return parseRecordingInfo(readInputText(file, kMaxDescriptionBytes), file);
 }
 

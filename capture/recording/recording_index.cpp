@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <type_traits>
 
 #include "capture/codec/picture_checksum.hpp"
 #include "common/input_file.hpp"
@@ -90,16 +91,22 @@ std::string indexHeader() {
 }
 
 std::string formatIndexRow(const IndexRow& row) {
-  std::ostringstream text;
-  text << row.number << ',' << row.time_ms << ',' << row.order << ',' << row.connection << ',' << row.sequence
-       << ',' << row.pts << ',';
-  if (row.reference_us) text << *row.reference_us;
-  text << ',' << row.first_arrival_ns << ',' << row.arrival_ns << ',' << row.min_delay_arrival_ns << ','
-       << row.exposure_ns << ',' << row.exposure_stddev_ns << ','
-       << kInstantSources[static_cast<std::size_t>(row.instant_source)] << ',' << row.size << ','
-       << hexadecimal(row.checksum) << ',' << (row.key ? 1 : 0) << ',' << (row.data_lost ? 1 : 0) << ','
-       << kStatuses[static_cast<std::size_t>(row.status)];
-  return withLineChecksum(text.str() + ',');
+  std::string text;
+  const auto add = [&text](const auto& field) {
+    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(field)>>)
+      text += std::to_string(field);
+    else
+      text += field;
+    text += ',';
+  };
+  add(row.number), add(row.time_ms), add(row.order), add(row.connection), add(row.sequence), add(row.pts);
+  add(row.reference_us ? std::to_string(*row.reference_us) : "");
+  add(row.first_arrival_ns), add(row.arrival_ns), add(row.min_delay_arrival_ns);
+  add(row.exposure_ns), add(row.exposure_stddev_ns);
+  add(kInstantSources[static_cast<std::size_t>(row.instant_source)]);
+  add(row.size), add(hexadecimal(row.checksum)), add(row.key ? 1 : 0), add(row.data_lost ? 1 : 0);
+  add(kStatuses[static_cast<std::size_t>(row.status)]);
+  return withLineChecksum(text);
 }
 
 std::string withLineChecksum(const std::string& line) {

@@ -3,12 +3,12 @@
 #include "capture/recording/recording_quota.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <system_error>
 #include <vector>
 
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_writer.hpp"
+#include "common/exact_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -99,9 +99,7 @@ std::uint64_t freeBytes(const fs::path& folder) {
 }
 
 std::string gigabytes(std::uint64_t bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f GB", static_cast<double>(bytes) / kGigabyte);
-  return text;
+  return fixedText(static_cast<double>(bytes) / kGigabyte, 2) + " GB";
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include "capture/recording/recording_reader.hpp"
 
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "capture/codec/picture_checksum.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_index.hpp"
+#include "common/exact_text.hpp"
 #include "common/input_file.hpp"
 
 namespace cartvo::capture {
@@ -83,9 +83,7 @@ class SegmentVideo {
 };
 
 std::string seconds(std::int64_t milliseconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f s", 1e-3 * static_cast<double>(milliseconds));
-  return text;
+  return fixedText(1e-3 * static_cast<double>(milliseconds), 2) + " s";
 }
 
 /// Pictures of one segment with one kind of damage.

@@ -15,11 +15,13 @@ namespace cartvo::capture {
 namespace {
 
 /// One sentence for the health report: the first damage and the number of further ones.
-std::string damageText(const RecordingDamage& damage, std::uint64_t replayed) {
+std::string damageText(const RecordingDamage& damage, std::uint64_t frames, std::uint64_t damaged) {
   if (damage.places.empty()) return {};
   std::string text = damage.places.front();
   if (damage.places.size() > 1) text += " (and " + std::to_string(damage.places.size() - 1) + " more places)";
-  return text + "; the other " + std::to_string(replayed) + " pictures were replayed";
+  text += "; " + std::to_string(frames - damaged) + " of the " + std::to_string(frames + damage.lost) +
+          " pictures are whole and were replayed";
+  return text;
 }
 
 }  // namespace
@@ -41,7 +43,6 @@ struct RecordingSource::Implementation {
   RecordedUnit current;
   std::uint64_t connection = 0;
   VideoCodec codec = VideoCodec::h264;
-  std::uint64_t replayed = 0;
   bool at_end = false;
   std::atomic<bool> interrupted = false;
 
@@ -75,7 +76,6 @@ bool RecordingSource::Implementation::decodeNext() {
     connection = next->connection;
     codec = next->format.codec;
     decoder->send(std::exchange(next, std::nullopt)->unit);
-    ++replayed;
     return true;
   }
   if (at_end) return false;
@@ -90,7 +90,6 @@ bool RecordingSource::Implementation::decodeNext() {
     return true;
   }
   decoder->send(current.unit);
-  ++replayed;
   return true;
 }
 
@@ -110,7 +109,7 @@ ReadOutcome RecordingSource::read(Frame& frame, std::chrono::milliseconds /*time
   }
   const std::lock_guard lock(self.mutex);
   self.health.state = CameraState::ended;
-  self.health.last_error = damageText(self.reader.damage(), self.replayed);
+  self.health.last_error = damageText(self.reader.damage(), self.health.frames, self.health.damaged);
   return ReadOutcome::ended;
 }
 

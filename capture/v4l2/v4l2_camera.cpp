@@ -78,6 +78,7 @@ class V4l2Camera::Receiver {
       return;
     }
     last_driver_sequence_.reset();
+    incomplete_ = 0;
     frame_deadline_ = Clock::now() + settings_.stall_timeout;
   }
 
@@ -91,20 +92,36 @@ class V4l2Camera::Receiver {
     }
     if (!interrupted_ && Clock::now() >= frame_deadline_)
       closeDevice(CameraState::stalled, "the camera " + settings_.device.string() + " sent no picture for " +
-                                            std::to_string(settings_.stall_timeout.count()) +
-                                            " ms; reopening it");
+                                            std::to_string(settings_.stall_timeout.count()) + " ms" +
+                                            incompleteText() + "; reopening it");
     return false;
   }
 
-  /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a lost one.
+  std::string incompleteText() const {
+    if (incomplete_ == 0) return "";
+    return " but " + std::to_string(incomplete_) +
+           " incomplete ones: the USB bus loses data; connect the cameras to different USB controllers or "
+           "set a "
+           "lower cameras.frame_rate";
+  }
+
+  /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a damaged one.
   bool toFrame(const V4l2Buffer& buffer, Frame& frame) {
     const std::int64_t arrival_ns = hostNow();
-    if (last_driver_sequence_) next_sequence_ += buffer.sequence - *last_driver_sequence_ - 1U;
+    // Some drivers do not count their pictures, or begin anew.
+    if (last_driver_sequence_ && buffer.sequence > *last_driver_sequence_)
+      next_sequence_ += buffer.sequence - *last_driver_sequence_ - 1U;
     last_driver_sequence_ = buffer.sequence;
     const std::uint64_t sequence = next_sequence_++;
     Frame received;
     received.image = toGreyImage(device_->format(), buffer.data, settings_.size, device_->stride());
-    if (received.image.empty()) return false;
+    if (received.image.empty()) {
+      ++incomplete_;
+      const std::lock_guard lock(mutex_);
+      ++health_.frames, ++health_.damaged;
+      return false;
+    }
+    incomplete_ = 0;
     frame_deadline_ = Clock::now() + settings_.stall_timeout;
     received.exposure_ns = hostTimeOfMonotonic(buffer.monotonic.count());
     received.exposure_stddev_ns = defaultStddevNs(InstantSource::kernel);
@@ -157,6 +174,7 @@ class V4l2Camera::Receiver {
   Clock::time_point next_attempt_;
   std::optional<std::uint32_t> last_driver_sequence_;
   std::uint64_t next_sequence_ = 0;
+  std::uint64_t incomplete_ = 0;  ///< pictures since the last one that could be decoded
 
   mutable std::mutex mutex_;  ///< guards health_
   CameraHealth health_;

@@ -64,8 +64,9 @@ class V4l2Device {
 
   [[noreturn]] void fail(const std::string& what) const;
   [[noreturn]] void failWithErrno(const std::string& what) const;
-  void checkCapabilities() const;
+  void checkCapabilities();
   void selectFormat(const V4l2Mode& mode);
+  cv::Size requestFormat(std::uint32_t code, const cv::Size& size);
   void setFrameRate(double frame_rate) const;
   void setControls(const V4l2Mode& mode) const;
   void setControl(std::uint32_t id, std::int32_t value, const std::string& key) const;
@@ -76,6 +77,7 @@ class V4l2Device {
 
   std::filesystem::path device_;
   int descriptor_ = -1;
+  std::uint32_t type_ = 1;  ///< of the buffers: V4L2_BUF_TYPE_VIDEO_CAPTURE, or ..._MPLANE
   PixelFormat format_ = PixelFormat::grey;
   std::size_t stride_ = 0;
   std::vector<Mapping> buffers_;

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "capture/codec/image_completeness.hpp"
+
 namespace cartvo::capture {
 namespace {
 
@@ -23,7 +25,8 @@ cv::Mat view(std::span<const std::uint8_t> buffer, const cv::Size& size, std::si
 
 /// Decodes a JPEG. Cameras omit the Huffman tables; libjpeg-turbo uses the standard ones.
 cv::Mat decodeJpeg(std::span<const std::uint8_t> buffer, const cv::Size& size) {
-  if (buffer.empty()) return {};
+  const auto* const characters = reinterpret_cast<const char*>(buffer.data());
+  if (buffer.empty() || isCutOffImage({characters, buffer.size()})) return {};
   const cv::Mat bytes(1, static_cast<int>(buffer.size()), CV_8UC1, const_cast<std::uint8_t*>(buffer.data()));
   cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   return picture.size() == size ? picture : cv::Mat();

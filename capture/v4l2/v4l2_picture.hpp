@@ -34,8 +34,8 @@ constexpr const char* formatName(PixelFormat format) {
 }
 
 /// Converts a buffer to a grey image, CV_8UC1, with memory of its own. `size` in px; `stride`: bytes from row
-/// to row (ignored for MJPEG). Empty if the buffer is too short, or if a JPEG cannot be decoded or has
-/// another size.
+/// to row (ignored for MJPEG). Empty if the buffer is too short, or if a JPEG is cut off, cannot be decoded
+/// or has another size.
 cv::Mat toGreyImage(PixelFormat format, std::span<const std::uint8_t> buffer, const cv::Size& size,
                     std::size_t stride);
 

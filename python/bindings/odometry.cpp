@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "common/exact_text.hpp"
 #include "pipeline/rectified_camera.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
@@ -91,8 +92,7 @@ void checkInstants(std::int64_t left_ns, std::int64_t right_ns) {
 
 void checkOffsetStddev(double offset_stddev) {
   if (!(offset_stddev >= 0.0 && offset_stddev <= 1e6))
-    throw py::value_error("offset_stddev: expected seconds, 0 to 1e6, but got " +
-                          std::to_string(offset_stddev));
+    throw py::value_error("offset_stddev: expected seconds, 0 to 1e6, but got " + roundedText(offset_stddev));
 }
 
 void bindOdometry(py::module_& module) {

@@ -12,6 +12,7 @@
 #include "capture/recording/recording_index_reader.hpp"
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_writer.hpp"
+#include "common/exact_text.hpp"
 #include "common/files/unfinished_folder.hpp"
 
 namespace cartvo {
@@ -29,6 +30,16 @@ std::int64_t firstArrival(const std::filesystem::path& recording) {
   }
   if (!first) throw std::runtime_error(recording.string() + ": contains no picture");
   return *first;
+}
+
+std::int64_t lastArrival(const std::filesystem::path& recording) {
+  std::int64_t last = 0;
+  for (const capture::CameraSide side : kSides) {
+    capture::RecordingIndexReader rows(recording, side);
+    while (const capture::IndexRow* row = rows.next())
+      last = std::max(last, row->arrival_ns);
+  }
+  return last;
 }
 
 /// The pictures of one camera in the part, in recorded order.
@@ -104,11 +115,15 @@ void copyPictures(TrimmedCamera& left, TrimmedCamera& right, capture::RecordingW
 
 TrimmedRecording trimRecording(const std::filesystem::path& recording, const TrimmedPart& part,
                                const std::filesystem::path& output, const TrimProgress& progress) {
-  const capture::RecordingInfo info = capture::readRecordingInfo(recording);
+  capture::RecordingInfo info = capture::readRecordingInfo(recording);
   const std::int64_t first_ns = firstArrival(recording);
   const auto after_first = [first_ns](double seconds) {
     return first_ns + static_cast<std::int64_t>(std::llround(1e9 * std::min(seconds, 1e9)));
   };
+  const double length = 1e-9 * static_cast<double>(lastArrival(recording) - first_ns);
+  if (part.from > length)
+    throw std::runtime_error(recording.string() + ": --from " + fixedText(part.from, 1) +
+                             " is beyond its end: it is " + fixedText(length, 1) + " s long");
   TrimmedCamera left(recording, capture::CameraSide::left, after_first(part.from), after_first(part.to));
   TrimmedCamera right(recording, capture::CameraSide::right, after_first(part.from), after_first(part.to));
   if (left.isFinished() || right.isFinished()) {
@@ -119,6 +134,8 @@ TrimmedRecording trimRecording(const std::filesystem::path& recording, const Tri
   }
   UnfinishedFolder unfinished(output);
   TrimmedRecording trimmed;
+  if (info.started_ns > 0)
+    info.started_ns += std::min(left.unit().unit.arrival_ns, right.unit().unit.arrival_ns) - first_ns;
   capture::RecordingWriter writer(output, info, kSegmentLength);
   copyPictures(left, right, writer, first_ns, progress, trimmed);
   writer.sync();

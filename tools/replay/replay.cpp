@@ -8,6 +8,7 @@
 
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
+#include "capture/dataset/video_file_source.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
@@ -211,6 +212,10 @@ Replay replaySource(const ReplaySettings& settings, const ReplayObserver& observ
 
 Replay replayVideos(const ReplaySettings& settings, const VideoProgress& progress,
                     const ReplayObserver& observer) {
+  for (const std::filesystem::path& file : {settings.source, settings.right_video}) {
+    if (!file.empty())
+      capture::VideoFileSource(file, {.frame_rate = settings.frame_rate});  // refuses other files
+  }
   pipeline::FoundRig rig = pipeline::findRig({}, settings.source, settings.rig);
   replaceReadouts(settings, rig.rig);
   const VideoPair videos = findVideos(settings.source, settings.right_video, settings.frame_rate, rig.rig);

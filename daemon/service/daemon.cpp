@@ -265,7 +265,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   snapshot.problem = foreign.empty() ? pipeline_.problem() : foreign;
   snapshot.features = configuration_.odometry.features;
   snapshot.recording = recording_.problem(warnings_);
-  snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
+  snapshot.frame_rate = frameRateProblem(snapshot.counts.periods, configuration_.frame_rate);
+  snapshot.pairing = pipeline_.pairingProblem();
   if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
   lcm_->publish(kHealthChannel, &message);
@@ -274,8 +275,9 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);
-  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording,
-                                     snapshot.frame_rate, snapshot.left.advice, snapshot.right.advice}) {
+  for (const std::string& problem :
+       {snapshot.problem, snapshot.clock.problem, snapshot.pairing, snapshot.recording, snapshot.frame_rate,
+        snapshot.left.advice, snapshot.right.advice}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {

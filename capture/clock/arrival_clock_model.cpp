@@ -26,7 +26,7 @@ constexpr double kMinStddev_ns = 50e3;      // time a host takes to wake a threa
 // tolerates it, once the arrivals' drift beyond a crystal's exceeds what their scatter explains.
 constexpr double kMaxNominalSkew = 8e6;  // ns/s
 constexpr double kMinNominalDrift_ns = 8e6;
-constexpr double kDriftOfScatter = 6.0;  // of the median distance from the hull's edge
+constexpr double kNominalDriftOfScatter = 6.0;  // of the median distance from the hull's edge
 constexpr std::size_t kMinNominalBlocks = 6;
 
 double cross(double ax, double ay, double bx, double by) {
@@ -127,7 +127,7 @@ bool ArrivalClockModel::isNominal(double slope, double span) const {
   above.reserve(blocks_.size());
   for (const Point& p : blocks_)
     above.push_back(p.delay - intercept - slope * p.time);
-  return drift > kMinNominalDrift_ns + kDriftOfScatter * medianOf(std::move(above));
+  return drift > kMinNominalDrift_ns + kNominalDriftOfScatter * medianOf(std::move(above));
 }
 
 /// Slope of the lower convex hull's edge below the mean time. Of all lines below the points, this one has the

@@ -3,7 +3,6 @@
 #include "capture/rtsp/timed_receiver.hpp"
 
 #include <array>
-#include <cerrno>
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -29,7 +28,9 @@ class Sockets {
     auto* const generic = reinterpret_cast<sockaddr*>(&address);
     EXPECT_EQ(bind(server, generic, size), 0);
     EXPECT_EQ(getsockname(server, generic, &size), 0);
-    if (type == SOCK_STREAM) EXPECT_EQ(listen(server, 1), 0);
+    if (type == SOCK_STREAM) {
+      EXPECT_EQ(listen(server, 1), 0);
+    }
     sender = socket(AF_INET, type, 0);
     EXPECT_EQ(connect(sender, generic, size), 0);
     receiver = type == SOCK_STREAM ? accept(server, nullptr, nullptr) : server;

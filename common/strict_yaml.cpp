@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -231,7 +230,8 @@ std::int64_t StrictYaml::integer(std::int64_t min, std::int64_t max) const {
 double StrictYaml::number(double min, double max, const std::string& unit) const {
   double value = 0.0;
   if (!node_.IsScalar() || !parseNumber(node_.Scalar(), value) || !(value >= min && value <= max)) {
-    failExpecting("a number from " + roundedText(min) + " to " + roundedText(max) +
+    constexpr int kDigits = 10;  // 1e6 as 1000000
+    failExpecting("a number from " + roundedText(min, kDigits) + " to " + roundedText(max, kDigits) +
                   (unit.empty() ? "" : " " + unit));
   }
   return value;

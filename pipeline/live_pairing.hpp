@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include <opencv2/core/types.hpp>
 
 #include "capture/pair_synchroniser.hpp"
+#include "pipeline/frame_periods.hpp"
 
 // Hand-over of frame pairs from the reader threads to the odometry thread.
 
@@ -31,10 +33,10 @@ class LivePairing {
   LivePairing(const capture::PairSynchroniserSettings& settings, cv::Size image_size);
 
   /// Adds a frame of one camera. A frame whose size is not the rig's is rejected and counted.
-  void push(capture::CameraSide side, capture::Frame frame);
+  void push(capture::CameraSide which, capture::Frame frame);
 
   /// Marks the end of a camera's frames.
-  void finish(capture::CameraSide side);
+  void finish(capture::CameraSide which);
 
   /// Waits for a pair until the deadline. Returns nothing if none arrived, and returns at once when both
   /// cameras have finished.
@@ -49,22 +51,35 @@ class LivePairing {
   };
   Counts counts() const;
 
-  /// Measured frame periods of the left and the right camera, ns; 0 until they are known.
-  std::array<std::int64_t, 2> periodsNs() const;
+  /// Measured frame periods of the left and the right camera.
+  FramePeriods periods() const;
 
   /// Describes a stream whose latest frame was rejected for its size; empty if there is none.
   std::string problem() const;
 
+  /// Why no frames have been paired for seconds although both cameras deliver some; empty if they have.
+  std::string pairingProblem() const;
+
  private:
-  bool bothFinished() const { return finished_[0] && finished_[1]; }
+  /// One camera's frames.
+  struct Side {
+    std::optional<cv::Size> refused;     ///< size of the latest frame, if rejected
+    std::deque<std::int64_t> arrivals;   ///< of the latest frames, ns
+    std::int64_t exposure_ns = 0;        ///< of the latest frame
+    capture::PairingCounts before_pair;  ///< at the latest pair
+    bool finished = false;
+  };
+
+  const Side& side(capture::CameraSide which) const { return sides_[static_cast<std::size_t>(which)]; }
+  bool bothFinished() const { return sides_[0].finished && sides_[1].finished; }
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   capture::PairSynchroniser synchroniser_;
   cv::Size image_size_;
   std::optional<capture::FramePair> newest_;
-  std::array<bool, 2> finished_{};
-  std::array<std::optional<cv::Size>, 2> refused_;  ///< size of each side's latest frame, if rejected
+  std::array<Side, 2> sides_;
+  std::optional<std::int64_t> last_pair_ns_;  ///< arrival of the latest pair, or of the first frame
   std::uint64_t skipped_ = 0;
   std::uint64_t refused_size_ = 0;
 };

@@ -4,7 +4,6 @@
 #include "pipeline/pipeline.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -28,8 +27,9 @@ using SteadyClock = std::chrono::steady_clock;
 /// Time that a reader waits for a frame before it loops.
 constexpr std::chrono::milliseconds kReadTimeout{200};
 
-/// Time between two messages while the cameras' frame rate is unknown, and the longest one.
+/// Time between two messages while the cameras' frame rate is unknown, and its limits.
 constexpr std::chrono::nanoseconds kFirstPeriod = std::chrono::milliseconds(55);
+constexpr std::chrono::nanoseconds kShortestPeriod = std::chrono::milliseconds(4);
 constexpr std::chrono::nanoseconds kLongestPeriod = std::chrono::milliseconds(500);
 
 capture::PairSynchroniserSettings synchroniserSettings(std::int64_t period_ns) {
@@ -91,12 +91,14 @@ class Pipeline::Implementation {
   void stop() noexcept;
   PipelineCounts counts() const;
   std::string problem() const { return live_.problem(); }
+  std::string pairingProblem() const { return live_.pairingProblem(); }
   PipelineProgress progress() const { return {left_beat_.age(), right_beat_.age()}; }
 
  private:
   void readCamera(capture::CameraSource& source, capture::CameraSide side, Heartbeat& heartbeat) noexcept;
   void processNewestPairs(const PipelineSink& sink);
   std::chrono::nanoseconds livePeriod() const;
+  std::chrono::nanoseconds messagePeriod() const;
   PairResult processPair(const capture::FramePair& pair, const PipelineSink& sink);
   void requireRigSize(capture::CameraSide side, const capture::Frame& frame) const;
 
@@ -176,20 +178,19 @@ void Pipeline::Implementation::readCamera(capture::CameraSource& source, capture
 void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   FeatureBudget budget(processor_.features());
   // A pair that arrives within one period after it was due is late, not missed.
-  SteadyClock::time_point missed = SteadyClock::now() + 2 * livePeriod();
+  SteadyClock::time_point missed = SteadyClock::now() + 2 * messagePeriod();
   LivePairing::Counts before = live_.counts();
   while (!stopped_ && !live_.finished()) {
     const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
     if (pair) {
-      const std::chrono::nanoseconds period = livePeriod();
-      processor_.setTargetFeatureCount(
-          budget.update(processPair(*pair, sink).times.total, std::chrono::duration<double>(period).count()));
-      missed = SteadyClock::now() + 2 * period;
+      const std::chrono::duration<double> period = livePeriod();
+      processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total, period.count()));
+      missed = SteadyClock::now() + 2 * messagePeriod();
       before = live_.counts();
     } else if (!stopped_ && SteadyClock::now() >= missed) {
       const LivePairing::Counts now = live_.counts();
       if (sink.no_pair) sink.no_pair({hostNow(), cause(before, now)});
-      missed += livePeriod();
+      missed = std::max(missed + messagePeriod(), SteadyClock::now());  // once, however long this was late
       before = now;
     }
   }
@@ -197,10 +198,13 @@ void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
 
 /// Time between two pairs, as measured from the frames.
 std::chrono::nanoseconds Pipeline::Implementation::livePeriod() const {
-  const std::array<std::int64_t, 2> periods = live_.periodsNs();
-  const std::chrono::nanoseconds period(
-      std::max(periods[0], periods[1]));  // the slower camera limits the pairs
-  return periods[0] == 0 || periods[1] == 0 ? kFirstPeriod : std::min(period, kLongestPeriod);
+  const std::chrono::nanoseconds period(live_.periods().ofPairsNs());
+  return period.count() == 0 ? kFirstPeriod : std::min(period, kLongestPeriod);
+}
+
+/// Time between two messages about missing pairs.
+std::chrono::nanoseconds Pipeline::Implementation::messagePeriod() const {
+  return std::max(livePeriod(), kShortestPeriod);
 }
 
 void Pipeline::Implementation::requireRigSize(capture::CameraSide side, const capture::Frame& frame) const {
@@ -222,7 +226,7 @@ PipelineCounts Pipeline::Implementation::counts() const {
   counts.processed = processed_;
   counts.skipped = live.skipped;
   counts.refused_size = live.refused_size;
-  counts.periods_ns = live_.periodsNs();
+  counts.periods = live_.periods();
   return counts;
 }
 
@@ -244,6 +248,9 @@ PipelineCounts Pipeline::counts() const {
 }
 std::string Pipeline::problem() const {
   return implementation_->problem();
+}
+std::string Pipeline::pairingProblem() const {
+  return implementation_->pairingProblem();
 }
 std::string PipelineProgress::stalledReader(double reader_timeout) const {
   if (left_reader > reader_timeout) return "left camera's reader";

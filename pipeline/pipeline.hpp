@@ -2,7 +2,6 @@
 
 // The processing chain from two cameras to the sink, live or replayed.
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,6 +12,7 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
+#include "pipeline/frame_periods.hpp"
 #include "pipeline/pair_processor.hpp"
 
 namespace cartvo::pipeline {
@@ -58,8 +58,7 @@ struct PipelineCounts {
   std::uint64_t dropped_out_of_order = 0;  ///< frames older than a previous one
   std::uint64_t dropped_overflow = 0;      ///< frames that exceeded the synchroniser's buffer
   std::uint64_t dropped_clock = 0;         ///< frames buffered when the host's clock was set back
-  std::array<std::int64_t, 2>
-      periods_ns{};  ///< measured, of the left and the right camera (live only); 0: unknown
+  FramePeriods periods;                    ///< measured (live only)
 };
 
 /// Time since each camera's reader last started a read, s; 0 after the reader has ended. A reader loops with
@@ -106,6 +105,10 @@ class Pipeline {
   /// Problem of a stream that the operator has to fix (an image size that is not the rig's); empty if there
   /// is none. May be called from any thread.
   std::string problem() const;
+
+  /// Why both cameras deliver frames, but none have been paired for seconds; empty if some have. May be
+  /// called from any thread.
+  std::string pairingProblem() const;
 
   /// May be called from any thread while `runLive` runs.
   PipelineProgress progress() const;

@@ -12,14 +12,22 @@
 namespace cartvo::capture {
 namespace {
 
+constexpr double kMaxSkew_ns = 1e9 * ArrivalClockModel::kMaxCrystalSkew;
 constexpr double kBlockLength = 2.0;        // s
 constexpr std::size_t kMaxBlocks = 150;     // 5 min; the skew of a crystal drifts over longer times
-constexpr double kMaxSkew = 120e3;          // ns/s: two crystals of 50 ppm each, and a margin
 constexpr double kSkewStddev = 50e3;        // ns/s, prior
 constexpr double kMinClockStep_ns = 100e6;  // a change of the least delay by more means that a clock was set
 constexpr std::size_t kRecentBlocks = 5;    // if all of them are late, it is not a stall
+constexpr double kMinWait_ns = 5e9;         // no network delays pictures for so long and then delivers them
 constexpr double kBlockStddev_ns = 5e6;     // prior of a block's fastest packet
 constexpr double kMinStddev_ns = 50e3;      // time a host takes to wake a thread
+
+// Skew that is no crystal's: a camera that counts a nominal frame rate. Followed as far as ArrivalPace
+// tolerates it, once the arrivals' drift beyond a crystal's exceeds what their scatter explains.
+constexpr double kMaxNominalSkew = 8e6;  // ns/s
+constexpr double kMinNominalDrift_ns = 8e6;
+constexpr double kNominalDriftOfScatter = 6.0;  // of the median distance from the hull's edge
+constexpr std::size_t kMinNominalBlocks = 6;
 
 double cross(double ax, double ay, double bx, double by) {
   return ax * by - ay * bx;
@@ -51,6 +59,10 @@ void ArrivalClockModel::add(std::int64_t rtp_ns, std::int64_t arrival_ns) {
   }
   Point& last = blocks_.back();
   if (std::floor(point.time / kBlockLength) > std::floor(last.time / kBlockLength)) {
+    if (waitedFor(last, point)) {
+      last = point;
+      return;
+    }
     dropStaleBlocks();
     blocks_.push_back(point);
     if (blocks_.size() > kMaxBlocks) blocks_.pop_front();
@@ -59,6 +71,14 @@ void ArrivalClockModel::add(std::int64_t rtp_ns, std::int64_t arrival_ns) {
     last = point;
     intercept_ += std::min(excess, 0.0);  // the slope is fitted at the block's end
   }
+}
+
+/// Whether a block's pictures waited to be read, because this process stood still: the next block's arrived
+/// with them.
+bool ArrivalClockModel::waitedFor(const Point& block, const Point& next) const {
+  const double step = next.time - block.time;
+  return block.delay - delayAt(block.time) > kMinWait_ns &&
+         step + 1e-9 * (next.delay - block.delay) < 0.5 * step;
 }
 
 void ArrivalClockModel::forgetEarlierBlocks() {
@@ -81,11 +101,33 @@ void ArrivalClockModel::dropStaleBlocks() {
 void ArrivalClockModel::fit() {
   const double span = blocks_.back().time - blocks_.front().time;
   const double noise_to_signal = stddev_ns_ / (kSkewStddev * std::max(span, kBlockLength));
-  slope_ = std::clamp(hullSlope() / (1.0 + noise_to_signal * noise_to_signal), -kMaxSkew, kMaxSkew);
-  intercept_ = blocks_.front().delay - slope_ * blocks_.front().time;
-  for (const Point& p : blocks_)
-    intercept_ = std::min(intercept_, p.delay - slope_ * p.time);
+  const double hull = hullSlope();
+  slope_ = isNominal(hull, span)
+               ? hull
+               : std::clamp(hull / (1.0 + noise_to_signal * noise_to_signal), -kMaxSkew_ns, kMaxSkew_ns);
+  intercept_ = leastAt0(slope_);
   updateStddev();
+}
+
+/// Value at time 0 of the line of this slope below all blocks.
+double ArrivalClockModel::leastAt0(double slope) const {
+  double least = blocks_.front().delay - slope * blocks_.front().time;
+  for (const Point& p : blocks_)
+    least = std::min(least, p.delay - slope * p.time);
+  return least;
+}
+
+/// Whether the skew is neither a crystal's nor due to the scatter of the arrivals.
+bool ArrivalClockModel::isNominal(double slope, double span) const {
+  const double drift = (std::abs(slope) - kMaxSkew_ns) * span;
+  if (blocks_.size() < kMinNominalBlocks || drift < kMinNominalDrift_ns || std::abs(slope) > kMaxNominalSkew)
+    return false;
+  const double intercept = leastAt0(slope);
+  std::vector<double> above;
+  above.reserve(blocks_.size());
+  for (const Point& p : blocks_)
+    above.push_back(p.delay - intercept - slope * p.time);
+  return drift > kMinNominalDrift_ns + kNominalDriftOfScatter * medianOf(std::move(above));
 }
 
 /// Slope of the lower convex hull's edge below the mean time. Of all lines below the points, this one has the

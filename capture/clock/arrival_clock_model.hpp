@@ -12,6 +12,10 @@ namespace cartvo::capture {
 /// from network delay measurements", INFOCOM 1999.) Reads no clock; deterministic.
 class ArrivalClockModel {
  public:
+  /// Skew of two crystals of 50 ppm each, and a margin. More is that of a camera which counts a nominal frame
+  /// rate.
+  static constexpr double kMaxCrystalSkew = 120e-6;
+
   /// Adds a picture: RTP time `rtp_ns` (unwrapped, increasing) and arrival by the host's clock.
   void add(std::int64_t rtp_ns, std::int64_t arrival_ns);
 
@@ -46,6 +50,9 @@ class ArrivalClockModel {
   void begin(std::int64_t rtp_ns, std::int64_t arrival_ns);
   void dropStaleBlocks();
   void fit();
+  bool waitedFor(const Point& block, const Point& next) const;
+  double leastAt0(double slope) const;
+  bool isNominal(double slope, double span) const;
   double hullSlope() const;
   void updateStddev();
 

@@ -26,11 +26,20 @@ constexpr std::int64_t kYoung_ns = 6'000'000'000;
 constexpr std::int64_t kBlock_ns = 500'000'000;
 constexpr std::size_t kBlocks = 12;
 constexpr std::size_t kBlocksToFindFast = 6;
-// Pictures that arrive ever later may also be those of a network that fills up.
+// Pictures that arrive a little later each may also be those of a network that fills up.
 constexpr std::size_t kBlocksToFindSlow = kBlocks;
+constexpr double kMinSteadiness = 0.5;   // of the slope, between neighbours: else it is that of one step
 constexpr double kMaxDeviation = 0.005;  // crystals: 1e-4
 constexpr double kMinDrift_ns = 40e6;    // over all blocks
 constexpr double kDriftOfScatter = 4.0;  // of the blocks' median deviation from a straight line
+constexpr double kMinPeriod_ns = 1e9 / 240.0;  // of a camera; shorter steps are no congestion's
+
+// Evenness.
+constexpr std::size_t kSteps = 64;
+constexpr double kLongStep = 1.5;          // median steps; longer ones span lost frames
+constexpr double kMinUnevenness_ns = 2e6;  // less changes a velocity by less than the pictures' noise does
+constexpr double kMaxSlope = 0.5;          // of the arrivals' steps over those of RTP time: 1 if that is true
+constexpr double kSlopeSignificance = 4.0;  // standard deviations from 1
 
 /// Mean distance of the delays from their mean, ns.
 template <typename Iterator>
@@ -58,6 +67,61 @@ void ArrivalPace::add(std::int64_t rtp_ns, std::int64_t arrival_ns) {
   if (!settled_) settle(point);
   least_delay_ns_ = std::min(least_delay_ns_, point.delay_ns);
   addToBlocks(point);
+  addStep(point);
+}
+
+void ArrivalPace::addStep(const Point& point) {
+  if (last_) {
+    const std::int64_t arrival_step = point.arrival_ns - last_->arrival_ns;
+    steps_.push_back({static_cast<double>(arrival_step - (point.delay_ns - last_->delay_ns)),
+                      static_cast<double>(arrival_step)});
+    if (steps_.size() > kSteps) steps_.pop_front();
+  }
+  last_ = point;
+  if (steps_.size() == kSteps) compareSteps();
+}
+
+/// Median step of RTP time, ns. Requires two pictures.
+double ArrivalPace::medianStep() const {
+  std::vector<double> steps;
+  for (const Step& step : steps_)
+    steps.push_back(step.rtp_ns);
+  return medianOf(std::move(steps));
+}
+
+/// Regression of the arrivals' steps on those of RTP time. Its slope is 1 if pictures are sent as they are
+/// exposed, and 0 if they are exposed evenly and only their RTP time is uneven.
+void ArrivalPace::compareSteps() {
+  unevenness_.reset();
+  for (const Step& step : steps_)
+    if (step.rtp_ns <= 0.0) return;  // B-frames arrive in another order
+  const double longest = kLongStep * medianStep();
+  double count = 0.0;
+  Step mean;
+  for (const Step& step : steps_) {
+    if (step.rtp_ns > longest) continue;
+    count += 1.0;
+    mean.rtp_ns += step.rtp_ns;
+    mean.arrival_ns += step.arrival_ns;
+  }
+  mean = {mean.rtp_ns / count, mean.arrival_ns / count};
+  double rtp_rtp = 0.0;
+  double rtp_arrival = 0.0;
+  double arrival_arrival = 0.0;
+  for (const Step& step : steps_) {
+    if (step.rtp_ns > longest) continue;
+    const double rtp = step.rtp_ns - mean.rtp_ns;
+    const double arrival = step.arrival_ns - mean.arrival_ns;
+    rtp_rtp += rtp * rtp;
+    rtp_arrival += rtp * arrival;
+    arrival_arrival += arrival * arrival;
+  }
+  const double rms = std::sqrt(rtp_rtp / count);
+  if (rms < kMinUnevenness_ns) return;
+  const double slope = rtp_arrival / rtp_rtp;
+  const double residual = std::max(arrival_arrival - slope * rtp_arrival, 0.0);
+  const double stddev = std::sqrt(residual / (count - 2.0) / rtp_rtp);
+  if (slope < kMaxSlope && slope < 1.0 - kSlopeSignificance * stddev) unevenness_ = rms;
 }
 
 void ArrivalPace::settle(const Point& point) {
@@ -103,11 +167,14 @@ void ArrivalPace::comparePace() {
     return static_cast<double>(blocks_[i].delay_ns - blocks_.front().delay_ns);
   };
   std::vector<double> slopes;
+  std::vector<double> adjacent;  // of neighbours alone: one late time does not move their median
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (i > 0 && time(i) > time(i - 1))
+      adjacent.push_back((delay(i) - delay(i - 1)) / (time(i) - time(i - 1)));
     for (std::size_t j = i + 1; j < blocks_.size(); ++j)
       if (time(j) > time(i)) slopes.push_back((delay(j) - delay(i)) / (time(j) - time(i)));
   }
-  if (slopes.empty()) return;
+  if (adjacent.empty()) return;
   const double slope = medianOf(std::move(slopes));
   std::vector<double> levels;
   for (std::size_t i = 0; i < blocks_.size(); ++i)
@@ -117,8 +184,10 @@ void ArrivalPace::comparePace() {
     value = std::abs(value - level);
   const double drift = std::abs(slope) * time(blocks_.size() - 1);
   const bool is_slow = slope > 0.0;  // pictures arrive ever later
-  const bool is_known = deviation_ || !is_slow || blocks_.size() >= kBlocksToFindSlow;
-  const bool is_wrong = is_known && std::abs(slope) > kMaxDeviation &&
+  const bool may_be_network = is_slow && medianStep() > kMinPeriod_ns;
+  const bool is_known = deviation_ || !may_be_network || blocks_.size() >= kBlocksToFindSlow;
+  const bool is_steady = medianOf(std::move(adjacent)) / slope > kMinSteadiness;
+  const bool is_wrong = is_known && is_steady && std::abs(slope) > kMaxDeviation &&
                         drift > kMinDrift_ns + kDriftOfScatter * medianOf(std::move(levels));
   deviation_ = is_wrong ? std::optional(-slope) : std::nullopt;
 }

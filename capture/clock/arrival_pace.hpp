@@ -24,15 +24,28 @@ class ArrivalPace {
   /// arrivals explains it; found after 3 s or more.
   std::optional<double> deviation() const { return deviation_; }
 
+  /// RMS deviation of RTP time's steps from even ones, ns, if the pictures arrive evenly, so that the steps
+  /// are not those of the exposures: RTP time is rounded, or of a later stage than the exposure.
+  std::optional<double> unevenness() const { return unevenness_; }
+
  private:
   struct Point {
     std::int64_t arrival_ns = 0;
     std::int64_t delay_ns = 0;  ///< arrival minus RTP time
   };
 
+  /// From one picture to the next.
+  struct Step {
+    double rtp_ns = 0.0;
+    double arrival_ns = 0.0;
+  };
+
   void settle(const Point& point);
   void addToBlocks(const Point& point);
   void comparePace();
+  void addStep(const Point& point);
+  void compareSteps();
+  double medianStep() const;
 
   std::deque<Point> window_;  ///< pictures since the pace was last found wrong, until it is settled
   std::optional<std::int64_t> first_arrival_ns_;
@@ -42,6 +55,9 @@ class ArrivalPace {
   std::deque<Point> blocks_;         ///< the fastest picture of each half second
   std::int64_t block_begin_ns_ = 0;
   std::optional<double> deviation_;
+  std::optional<Point> last_;
+  std::deque<Step> steps_;  ///< the latest ones
+  std::optional<double> unevenness_;
 };
 
 }  // namespace cartvo::capture

@@ -3,6 +3,7 @@
 #include "capture/clock/camera_clock_model.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 
 namespace cartvo::capture {
@@ -11,8 +12,10 @@ namespace {
 constexpr double kMaxLatencyStddev_ns = 12e6;
 constexpr std::int64_t kMaxEarly_ns = 1'000'000'000;     // against the fastest pictures; a backlog's are near
 constexpr std::int64_t kMaxLate_ns = 5'000'000'000;      // a connection without pictures ends sooner
+constexpr std::int64_t kMaxStep_ns = 1'000'000'000;      // of a picture that follows the last one
 constexpr std::int64_t kMaxReordering_ns = 500'000'000;  // five B-frames at 10 Hz
 constexpr int kStraysOfAnEpoch = 3;
+constexpr int kUnsteadyStrays = 16;                         // of the latest 32 pictures
 constexpr std::int64_t kMaxTicks = std::int64_t{1} << 48;   // 99 years
 constexpr std::int64_t kLatest_us = std::int64_t{1} << 52;  // the year 2112; later reports are invalid
 
@@ -24,9 +27,16 @@ std::int64_t ticksToNanoseconds(std::int64_t ticks) {
 }  // namespace
 
 void CameraClockModel::connect() {
+  begin();
+  latest_strays_ = 0;
+}
+
+void CameraClockModel::begin() {
   const std::uint64_t epoch = epoch_ + 1;
+  const std::uint32_t strays = latest_strays_;
   *this = CameraClockModel(default_scatter_ns_);
   epoch_ = epoch;
+  latest_strays_ = strays;
 }
 
 /// The value nearest to the last time stamp whose lower 32 bits equal those of `pts`. The first one has these
@@ -39,10 +49,13 @@ std::int64_t CameraClockModel::unwrapped(std::int64_t pts) const {
 }
 
 /// Whether a picture may arrive then: not much earlier than the fastest ones, nor later than any network
-/// delays it, and not farther behind the last one than B-frames are.
+/// delays it, and not farther behind the last one than B-frames are. One that follows the last one may be
+/// later: this process stood still, or RTP time is slow (ArrivalPace).
 bool CameraClockModel::isPlausible(std::int64_t rtp_ns, std::int64_t arrival_ns) const {
   const std::int64_t delay_ns = arrival_ns - arrivals_.at(rtp_ns);
-  return delay_ns >= -kMaxEarly_ns && delay_ns <= kMaxLate_ns && rtp_ns >= rtp_ns_ - kMaxReordering_ns;
+  const bool follows = rtp_ns >= rtp_ns_ && rtp_ns - rtp_ns_ <= kMaxStep_ns;
+  return delay_ns >= -kMaxEarly_ns && (delay_ns <= kMaxLate_ns || follows) &&
+         rtp_ns >= rtp_ns_ - kMaxReordering_ns;
 }
 
 /// Whether pictures in a row agree on another RTP time.
@@ -56,10 +69,12 @@ bool CameraClockModel::beginsEpoch(std::int64_t rtp_ns, std::int64_t arrival_ns)
 bool CameraClockModel::add(const RtpTimestamps& timestamps) {
   std::int64_t pts = unwrapped(timestamps.pts);
   std::int64_t rtp_ns = ticksToNanoseconds(pts);
-  if (arrivals_.hasData() && !isPlausible(rtp_ns, timestamps.arrival_ns)) {
+  const bool is_stray = arrivals_.hasData() && !isPlausible(rtp_ns, timestamps.arrival_ns);
+  latest_strays_ = latest_strays_ << 1 | (is_stray ? 1U : 0U);
+  if (is_stray) {
     if (!beginsEpoch(rtp_ns, timestamps.arrival_ns)) return false;
     const double jump = static_cast<double>(arrivals_.at(rtp_ns) - timestamps.arrival_ns) * 1e-9;
-    connect();
+    begin();
     jump_ = jump;
     pts = unwrapped(timestamps.pts);
     rtp_ns = ticksToNanoseconds(pts);
@@ -83,6 +98,10 @@ void CameraClockModel::addReport(const RtpTimestamps& timestamps) {
   const auto instant_us =
       report_extractor_.extract(rtp_ns_ / 1000, *timestamps.reference_us, expected_ns / 1000);
   if (instant_us) reports_.add(rtp_ns_, *instant_us * 1000, arrivals_.skew());
+}
+
+bool CameraClockModel::isUnsteady() const {
+  return std::popcount(latest_strays_) >= kUnsteadyStrays;
 }
 
 std::optional<std::int64_t> CameraClockModel::reportedNs() const {

@@ -46,6 +46,9 @@ class CameraClockModel {
   /// Jump of RTP time with which the current epoch began, s; nothing if it began with the connection.
   std::optional<double> jump() const { return jump_; }
 
+  /// Whether half of the latest pictures had an RTP time that does not follow from the earlier ones.
+  bool isUnsteady() const;
+
   /// Whether the arrivals follow RTP time, and if not, by how much it is off.
   const ArrivalPace& pace() const { return pace_; }
 
@@ -77,6 +80,7 @@ class CameraClockModel {
     int count = 0;                ///< in a row, consistent among themselves
   };
 
+  void begin();
   std::int64_t unwrapped(std::int64_t pts) const;
   bool isPlausible(std::int64_t rtp_ns, std::int64_t arrival_ns) const;
   bool beginsEpoch(std::int64_t rtp_ns, std::int64_t arrival_ns);
@@ -91,6 +95,7 @@ class CameraClockModel {
   std::optional<std::int64_t> first_rtp_ns_;
   std::int64_t rtp_ns_ = 0;
   Strays strays_;
+  std::uint32_t latest_strays_ = 0;  ///< a bit for each of the latest 32 pictures; also of earlier epochs
   std::uint64_t epoch_ = 0;
   std::optional<double> jump_;
 };

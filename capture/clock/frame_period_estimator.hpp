@@ -16,8 +16,9 @@ class FramePeriodEstimator {
   /// Discards the last instant, because those that follow do not continue it; keeps the intervals.
   void restart() { last_ns_.reset(); }
 
-  /// Frame period, ns; 0 until enough intervals were added. The lower quartile of the latest intervals:
-  /// correct while less than three quarters of them span lost frames.
+  /// Frame period, ns; 0 until enough intervals were added. The mean of the latest intervals up to one and a
+  /// half times their lower quartile: correct while less than three quarters of them span lost frames, also
+  /// where instants are rounded or some of them are late.
   std::int64_t periodNs() const { return period_ns_; }
 
  private:

@@ -3,6 +3,7 @@
 #include "capture/clock/stereo_timestamper.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <vector>
 
@@ -25,6 +26,15 @@ constexpr double kMaxReportOffset_ns = 500e6;  // larger ones are two clocks tha
 constexpr std::int64_t kMinExposureStep_ns = 1'000'000;
 
 constexpr double kUnsettledStddev_ns = 1e9;  // more than any limit of the offset's uncertainty
+
+// Uncertainty that is reported: the default limit of the odometry, for most of some seconds.
+constexpr double kReportedStddev_ns = 10e6;
+constexpr double kReportedShare = 0.5;
+constexpr double kShareGain = 1.0 / 200.0;  // of one picture
+
+// Rates of RTP time that a wrong frame rate explains.
+constexpr double kMinNominalRate = 0.3;
+constexpr double kMaxNominalRate = 3.0;
 
 constexpr double kJumpReported = 10.0;  // s after a jump of RTP time
 
@@ -68,6 +78,18 @@ std::string inSeconds(double nanoseconds) {
   return fixedText(std::abs(nanoseconds) * 1e-9, 3) + " s";
 }
 
+/// Why a stream's RTP time is not that of the exposures: it runs at another pace than time.
+std::string paceProblem(double deviation) {
+  const double rate = 1.0 + deviation;
+  const bool is_nominal = rate > kMinNominalRate && rate < kMaxNominalRate;
+  const std::string problem = "runs " + fixedText(100.0 * std::abs(deviation), 1) + " % too " +
+                              (deviation > 0.0 ? "fast" : "slow") + ", so that no motion can be measured: ";
+  if (is_nominal)
+    return problem + "its frame rate is set to one that it does not reach; set a lower one in the camera";
+  return problem + "it counts " + fixedText(90000.0 * rate, 0) +
+         " a second, not 90000 (90 kHz); update its firmware";
+}
+
 }  // namespace
 
 void setTimestamp(EncodedUnit& unit, const ExposureTimestamp& timestamp) {
@@ -97,15 +119,22 @@ ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps
     *side.last_exposure_ns += kMinExposureStep_ns;
     side.slew_ns += kMinExposureStep_ns;
   }
-  double stddev = std::hypot(offset_.stddev_ns, sides_[1].lag_ns - sides_[0].lag_ns);
-  for (const Side& camera : sides_)
-    if (camera.connected && !camera.clock.pace().isSettled()) stddev = std::max(stddev, kUnsettledStddev_ns);
+  const double stddev = uncertainty();
+  uncertain_share_ += kShareGain * ((stddev > kReportedStddev_ns ? 1.0 : 0.0) - uncertain_share_);
   timestamp.exposure_ns = side.last_exposure_ns.value_or(timestamps.arrival_ns);
   timestamp.exposure_stddev_ns = std::llround(stddev / std::sqrt(2.0));
   timestamp.min_delay_arrival_ns = side.clock.minDelayArrivalNs();
   timestamp.slew_ns = side.slew_ns;
   timestamp.instant_source = source_;
   return timestamp;
+}
+
+/// Standard deviation of the two cameras' offset as stamped, ns.
+double StereoTimestamper::uncertainty() const {
+  double stddev = std::hypot(offset_.stddev_ns, sides_[1].lag_ns - sides_[0].lag_ns);
+  for (const Side& side : sides_)
+    if (side.connected && !side.clock.pace().isSettled()) stddev = std::max(stddev, kUnsettledStddev_ns);
+  return stddev;
 }
 
 void StereoTimestamper::setHostClockCorrection(std::int64_t correction_ns) {
@@ -193,21 +222,23 @@ void StereoTimestamper::combineOffsets(const OffsetEstimate& arrival) {
   }
 }
 
-/// Fault of a stream's RTP time: it jumped, or runs at another pace than time.
+/// Fault of a stream's RTP time: it jumped, or is not that of the exposures.
 std::string StereoTimestamper::timeBaseProblem() const {
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
     const std::string camera = std::string("the ") + (i == 0 ? "left" : "right") + " camera's RTP time ";
-    if (const std::optional<double> deviation = clock.pace().deviation()) {
-      return camera + "runs " + fixedText(100.0 * std::abs(*deviation), 1) + " % too " +
-             (*deviation > 0.0 ? "fast" : "slow") +
-             ", so that no motion can be measured: its frame rate is set to one that it "
-             "does not reach; set a lower one in the camera";
-    }
-    if (clock.jump() && clock.seconds() < kJumpReported) {
+    const ArrivalPace& pace = clock.pace();
+    if (clock.isUnsteady())
+      return camera +
+             "does not go on from picture to picture, so that no exposure is known: update its firmware";
+    if (pace.deviation()) return camera + paceProblem(*pace.deviation());
+    if (pace.unevenness())
+      return camera + "is uneven by " + fixedText(1e-6 * *pace.unevenness(), 1) +
+             " ms, but its pictures arrive evenly, so that velocities are inexact: update its firmware, or "
+             "set another frame rate";
+    if (clock.jump() && clock.seconds() < kJumpReported)
       return camera + "jumped by " + fixedText(*clock.jump(), 3) +
              " s within the connection, and its clock began anew: did its encoder restart?";
-    }
   }
   return {};
 }
@@ -223,12 +254,30 @@ std::string StereoTimestamper::problem() const {
            "camera itself and synchronise it by NTP, or set cameras.clock: auto";
   }
   const bool reports_matter = choice_ == ClockChoice::automatic || choice_ == ClockChoice::ntp;
-  if (!reports_matter || !reports_ || reports_agree_) return {};
-  const double difference = reports_->value_ns - offset_.value_ns;
-  if (std::abs(difference) < kReportedDisagreement_ns) return {};
+  const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;
+  if (!reports_matter || !reports_ || reports_agree_ || std::abs(difference) < kReportedDisagreement_ns)
+    return uncertaintyProblem();
   return "the cameras' clocks disagree by " + inSeconds(difference) +
          ": synchronise both to one NTP server near them; until then exposures are computed from " +
          (source_ == InstantSource::pictures ? "the image content" : "arrival times");
+}
+
+/// Why the offset has been uncertain for seconds; empty if it has not.
+std::string StereoTimestamper::uncertaintyProblem() const {
+  if (uncertain_share_ < kReportedShare) return {};
+  const std::string offset = "the time offset between the cameras is ";
+  std::array<double, 2> stddevs{};
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const bool is_settled = !sides_[i].connected || sides_[i].clock.pace().isSettled();
+    stddevs[i] = is_settled ? sides_[i].clock.arrivals().stddevNs() : kUnsettledStddev_ns;
+  }
+  const double lag_ns = std::abs(sides_[1].lag_ns - sides_[0].lag_ns);
+  if (lag_ns > std::max(stddevs[0], stddevs[1]))
+    return offset + "being corrected by " + inSeconds(lag_ns) + ", which takes " +
+           inSeconds(lag_ns / kSlewRate) + " more";
+  return offset + "uncertain: the pictures of the " + (stddevs[0] >= stddevs[1] ? "left" : "right") +
+         " camera arrive unevenly; relieve the network and this computer, or set both cameras to one NTP "
+         "server";
 }
 
 /// Mean latency of the cameras whose reports are plausible against the host's clock, ns; 0 if there are none.
@@ -274,12 +323,14 @@ void StereoTimestamper::advance(Side& side, std::int64_t arrival_ns) {
   side.connected = true;
 }
 
-/// The target, limited by the slew rate.
+/// The target, limited by the slew rate. A skew that is no crystal's is not limited.
 std::int64_t StereoTimestamper::slewedExposureNs(const Side& side, std::int64_t target_ns,
                                                  std::int64_t step_ns) {
   const auto correction_ns = static_cast<double>(target_ns - *side.last_exposure_ns - step_ns);
   const double slew_rate = side.clock.arrivals().isMature() ? kSlewRate : kInitialSlewRate;
-  const double limit_ns = slew_rate * static_cast<double>(std::abs(step_ns));
+  const double nominal_skew =
+      std::max(std::abs(side.clock.arrivals().skew()) - ArrivalClockModel::kMaxCrystalSkew, 0.0);
+  const double limit_ns = (slew_rate + nominal_skew) * static_cast<double>(std::abs(step_ns));
   return *side.last_exposure_ns + step_ns + std::llround(std::clamp(correction_ns, -limit_ns, limit_ns));
 }
 

@@ -110,6 +110,8 @@ class StereoTimestamper {
   std::string problem() const;
   double commonLatencyNs() const;
   std::string timeBaseProblem() const;
+  std::string uncertaintyProblem() const;
+  double uncertainty() const;
   static void advance(Side& side, std::int64_t arrival_ns);
   static std::int64_t slewedExposureNs(const Side& side, std::int64_t target_ns, std::int64_t step_ns);
 
@@ -120,6 +122,7 @@ class StereoTimestamper {
   std::optional<OffsetEstimate> visual_;
   bool reports_agree_ = false;  ///< the reports' offset passes the gate against the other estimates
   OffsetEstimate offset_;
+  double uncertain_share_ = 0.0;  ///< of the latest pictures: their offset's standard deviation is large
   InstantSource source_ = InstantSource::arrival;
   double host_clock_correction_ns_ = 0.0;
 };

@@ -202,8 +202,9 @@ class RtspCamera::Receiver {
       if (refused) health_.last_error += "; trying again in " + inSeconds(pause);
       return;
     }
+    connected_at_ = Clock::now();
     frame_deadline_ =
-        Clock::now() + settings_.connect_timeout;  // a camera may send nothing until its next key frame
+        connected_at_ + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
     const std::lock_guard lock(mutex_);
     health_.advice.clear();
@@ -291,9 +292,13 @@ class RtspCamera::Receiver {
   }
 
   void closeStream(CameraState state, const std::string& reason) {
-    // Reconnect at once if this connection delivered frames; otherwise pause, so that a camera that only
-    // accepts connections is not polled in a tight loop.
-    retryAfter(streaming_ ? milliseconds(0) : failurePause());
+    // Reconnect at once if this connection delivered frames for a moment; otherwise pause, so that a camera
+    // that only accepts connections, or ends each with its first picture, is not polled in a tight loop.
+    if (streaming_) {
+      next_attempt_ = connected_at_ + std::min(settings_.first_retry, kShortestConnection);
+    } else {
+      retryAfter(failurePause());
+    }
     disconnect();
     const std::lock_guard lock(mutex_);
     health_.state = state;
@@ -332,6 +337,7 @@ class RtspCamera::Receiver {
   }
 
   static constexpr std::size_t kMaxQueuedFrames = 16;
+  static constexpr milliseconds kShortestConnection{250};
   static constexpr milliseconds kLockMargin{1000};
   static constexpr milliseconds kMaxLock{2 * 60 * 60 * 1000};
 
@@ -349,6 +355,7 @@ class RtspCamera::Receiver {
   FrozenPictureDetector frozen_detector_;
   std::string frozen_text_;
   bool streaming_ = false;  ///< this connection has delivered a frame
+  Clock::time_point connected_at_;
   Clock::time_point frame_deadline_;
   Clock::time_point next_attempt_;
   std::uint64_t next_sequence_ = 0;

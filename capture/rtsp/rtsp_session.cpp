@@ -14,7 +14,6 @@
 #include "capture/rtsp/session_description.hpp"
 #include "capture/rtsp/udp_ports.hpp"
 #include "common/ascii_text.hpp"
-#include "common/host_clock.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -72,7 +71,7 @@ struct RtspSession::Connection {
   void setUp();
   void requireSuccess(std::string_view method, const RtspHead& head) const;
   void takeInterleaved(const RtspInput& input);
-  void takeRtp(std::span<const std::uint8_t> bytes);
+  void takeRtp(std::span<const std::uint8_t> bytes, std::int64_t arrival_ns);
   void takeRtcp(std::span<const std::uint8_t> bytes);
   void receiveDatagrams();
   std::optional<Outcome> receiveInput(Clock::time_point deadline);
@@ -213,15 +212,15 @@ void RtspSession::Connection::takeInterleaved(const RtspInput& input) {
     const bool is_stream = packet && packet->payload_type == payload_type;
     if (is_stream && ++packets_elsewhere == kMaxPacketsElsewhere) rtp_channel = input.channel;
   }
-  if (input.channel == rtp_channel) takeRtp(input.data);
+  if (input.channel == rtp_channel) takeRtp(input.data, client.socket().arrivalNs());
   if (input.channel == rtp_channel + 1) takeRtcp(input.data);
 }
 
-void RtspSession::Connection::takeRtp(std::span<const std::uint8_t> bytes) {
+void RtspSession::Connection::takeRtp(std::span<const std::uint8_t> bytes, std::int64_t arrival_ns) {
   const std::optional<RtpPacket> packet = parseRtpPacket(bytes);
   if (!packet || packet->payload_type != payload_type || packet->payload.empty()) return;
   source = packet->source;
-  sequencer.add(*packet, {{bytes.begin(), bytes.end()}, hostNow(), false});
+  sequencer.add(*packet, {{bytes.begin(), bytes.end()}, arrival_ns, false});
 }
 
 void RtspSession::Connection::takeRtcp(std::span<const std::uint8_t> bytes) {
@@ -237,7 +236,7 @@ void RtspSession::Connection::receiveDatagrams() {
   for (int i = 0; i < kMaxUdpBatch; ++i) {
     const auto packet = udp->receive(0);
     if (!packet) break;
-    takeRtp(*packet);
+    takeRtp(*packet, udp->arrivalNs());
   }
   for (int i = 0; i < kMaxUdpBatch; ++i) {
     const auto packet = udp->receive(1);

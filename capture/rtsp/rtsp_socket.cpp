@@ -80,6 +80,7 @@ std::optional<std::string> RtspSocket::connect(const RtspUrl& server, Clock::tim
       std::memcpy(&peer_, address->ai_addr, std::min<std::size_t>(address->ai_addrlen, sizeof peer_));
       const int on = 1;
       setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      receiver_.begin(descriptor_);
       return std::nullopt;
     }
   }
@@ -139,7 +140,7 @@ std::optional<RtspInput> RtspSocket::fill() {
     end_ -= begin_;
     begin_ = 0;
   }
-  const ssize_t size = recv(descriptor_, buffer_.data() + end_, buffer_.size() - end_, 0);
+  const ssize_t size = receiver_.receive(descriptor_, std::span(buffer_).subspan(end_), nullptr);
   if (size > 0) {
     end_ += static_cast<std::size_t>(size);
     return std::nullopt;

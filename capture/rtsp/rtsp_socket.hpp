@@ -12,6 +12,7 @@
 
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
+#include "capture/rtsp/timed_receiver.hpp"
 
 namespace cartvo::capture {
 
@@ -58,6 +59,9 @@ class RtspSocket {
   void stopQuoting() { quotes_ = false; }
   bool quotes() const { return quotes_; }
 
+  /// Arrival of the last part of what was received last, by the host's clock.
+  std::int64_t arrivalNs() const { return receiver_.arrivalNs(); }
+
   /// Address of the server, if connected.
   const sockaddr_storage& peer() const { return peer_; }
 
@@ -73,6 +77,7 @@ class RtspSocket {
   bool quotes_ = true;
   int descriptor_ = -1;
   sockaddr_storage peer_{};
+  TimedReceiver receiver_;
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  ///< of the data in the buffer that are not yet parsed
   std::size_t end_ = 0;

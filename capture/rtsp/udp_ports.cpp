@@ -75,6 +75,7 @@ bool UdpPorts::open(sa_family_t family, std::uint16_t port) {
     setPort(address, static_cast<std::uint16_t>(port + i));
     descriptors_[i] = socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     setsockopt(descriptors_[i], SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+    receivers_[i].begin(descriptors_[i]);
     if (descriptors_[i] >= 0 &&
         bind(descriptors_[i], reinterpret_cast<const sockaddr*>(&address), sizeOf(address)) == 0)
       continue;
@@ -96,9 +97,7 @@ void UdpPorts::setPeer(const sockaddr_storage& host, std::uint16_t rtp) {
 std::optional<std::span<const std::uint8_t>> UdpPorts::receive(std::size_t which) {
   for (;;) {
     sockaddr_storage from{};
-    socklen_t size = sizeof from;
-    const ssize_t length = recvfrom(descriptors_[which], buffer_.data(), buffer_.size(), 0,
-                                    reinterpret_cast<sockaddr*>(&from), &size);
+    const ssize_t length = receivers_[which].receive(descriptors_[which], buffer_, &from);
     if (length < 0 && errno == EINTR) continue;
     if (length < 0) return std::nullopt;
     const bool from_port = peer_port_ != 0 && portOf(from) == peer_port_ + which;

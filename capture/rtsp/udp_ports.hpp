@@ -7,6 +7,8 @@
 
 #include <sys/socket.h>
 
+#include "capture/rtsp/timed_receiver.hpp"
+
 namespace cartvo::capture {
 
 /// A pair of UDP sockets on adjacent ports, an even one for RTP and the next one for RTCP (RFC 3550, 11).
@@ -30,6 +32,9 @@ class UdpPorts {
   /// call. Nothing if none has.
   std::optional<std::span<const std::uint8_t>> receive(std::size_t which);
 
+  /// Arrival of the RTP packet received last, by the host's clock.
+  std::int64_t arrivalNs() const { return receivers_[0].arrivalNs(); }
+
   void sendRtcp(std::span<const std::uint8_t> packet) { send(1, packet); }
 
  private:
@@ -38,6 +43,7 @@ class UdpPorts {
   void send(std::size_t which, std::span<const std::uint8_t> packet);
 
   std::array<int, 2> descriptors_{-1, -1};
+  std::array<TimedReceiver, 2> receivers_;
   std::uint16_t port_ = 0;
   std::optional<sockaddr_storage> peer_;
   std::uint16_t peer_port_ = 0;

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 
+#include "pipeline/frame_periods.hpp"
+
 namespace cartvo::daemon {
 
-/// The problem of the cameras' frame rates, as measured (frame periods of the left and the right camera,
-/// ns; 0: unknown): they differ from each other or from the configured rate (Hz) by a tenth or more. Empty if
-/// there is none.
-std::string frameRateProblem(const std::array<std::int64_t, 2>& periods_ns, std::optional<double> configured);
+/// The problem of the cameras' frame rates, as measured: they differ from each other or from the configured
+/// rate (Hz) by a tenth or more, by the exposures and by the arrivals: the former may be rounded, the latter
+/// lack frames that were lost. Empty if there is none.
+std::string frameRateProblem(const pipeline::FramePeriods& periods, std::optional<double> configured);
 
 }  // namespace cartvo::daemon

@@ -90,6 +90,7 @@ std::string firstProblem(const HealthSnapshot& snapshot) {
     return "right camera: " + snapshot.right.last_error;
   }
   if (!snapshot.clock.problem.empty()) return snapshot.clock.problem;
+  if (!snapshot.pairing.empty()) return snapshot.pairing;
   if (!snapshot.recording.empty()) return snapshot.recording;
   if (!snapshot.frame_rate.empty()) return snapshot.frame_rate;
   if (!snapshot.left.advice.empty()) return "left camera: " + snapshot.left.advice;

@@ -28,6 +28,7 @@ struct HealthSnapshot {
   std::string problem;     ///< the problem to fix first; empty: see the cameras' last errors
   int features = 0;        ///< as configured
   std::string recording;   ///< why a configured recording is not written; after the cameras' problems
+  std::string pairing;     ///< as Pipeline::pairingProblem(); before the recording, after the clocks
   std::string frame_rate;  ///< as frameRateProblem(); after that
   std::string advice;      ///< said in self_check while that has no fault
 };

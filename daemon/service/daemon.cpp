@@ -290,7 +290,8 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   if (snapshot.problem.empty() && route_->interface.empty()) snapshot.problem = multicastWarning(*route_);
   snapshot.features = configuration_.odometry.features;
   snapshot.recording = recording_.problem(warnings_);
-  snapshot.frame_rate = frameRateProblem(snapshot.counts.periods_ns, configuration_.frame_rate);
+  snapshot.frame_rate = frameRateProblem(snapshot.counts.periods, configuration_.frame_rate);
+  snapshot.pairing = pipeline_.pairingProblem();
   if (!calib::hasMount(rig_)) snapshot.advice = calib::kNoMountText;
   const health_t message = health_.summarise(now, snapshot);
   sender_.publish(kHealthChannel, message);
@@ -299,8 +300,9 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);
-  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording,
-                                     snapshot.frame_rate, snapshot.left.advice, snapshot.right.advice}) {
+  for (const std::string& problem :
+       {snapshot.problem, snapshot.clock.problem, snapshot.pairing, snapshot.recording, snapshot.frame_rate,
+        snapshot.left.advice, snapshot.right.advice}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {

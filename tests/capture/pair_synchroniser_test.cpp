@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -148,6 +149,23 @@ TEST(PairSynchroniser, PairsOnlyEqualInstantsUntilPeriodIsEstimated) {
   }
   EXPECT_EQ(popAll(synchroniser).size(), 5U);
   EXPECT_NEAR(static_cast<double>(synchroniser.periodNs()), static_cast<double>(kPeriod), 2.0);
+}
+
+TEST(PairSynchroniser, PeriodOfUnevenInstantsIsTheirMean) {
+  constexpr double kTrue = 1e9 / 18.0;
+  const auto rounded = [](int i) { return std::llround(kTrue * i / 10e6) * 10'000'000; };
+  const auto late_key_pictures = [](int i) {
+    return std::llround(kTrue * i) + (i % 18 == 0 ? 20'000'000 : 0);
+  };
+  const auto every_third_lost = [](int i) { return std::llround(kTrue * (i + i / 2)); };
+  for (const std::function<std::int64_t(int)>& instant :
+       {std::function<std::int64_t(int)>(rounded), std::function<std::int64_t(int)>(late_key_pictures),
+        std::function<std::int64_t(int)>(every_third_lost)}) {
+    FramePeriodEstimator estimator;
+    for (int i = 0; i < 100; ++i)
+      estimator.add(instant(i));
+    EXPECT_NEAR(static_cast<double>(estimator.periodNs()), kTrue, 0.03 * kTrue);
+  }
 }
 
 TEST(PairSynchroniser, DropsFramesThatWaitForFinishedCamera) {

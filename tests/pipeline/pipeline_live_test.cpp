@@ -121,7 +121,9 @@ TEST(PipelineLive, ReducesFeaturesOnSlowComputer) {
   // No computer processes a pair within a frame period of 1 us.
   const auto fast = [](int disparity) {
     return [disparity](int index, std::int64_t /*exposure_ns*/) {
-      return test::wallFrame(index, disparity, 1'000 * (index + 1));
+      capture::Frame frame = test::wallFrame(index, disparity, 1'000 * (index + 1));
+      frame.arrival_ns = frame.exposure_ns;
+      return frame;
     };
   };
   TickingCamera left(fast(0)), right(fast(12));
@@ -161,6 +163,24 @@ TEST(PipelineLive, ReportsSilentCameraOncePerPeriod) {
   ASSERT_GE(run.no_pairs.size(), 25u);
   EXPECT_LE(run.no_pairs.size(), static_cast<std::size_t>(periods)) << "at most one per period";
   EXPECT_EQ(run.no_pairs.front().cause, NoPairCause::no_frames);
+}
+
+TEST(PipelineLive, WrongTimeStampsDoNotPaceMessages) {
+  // Stamps in a wrong unit: a period of 20 us. The cameras send 50 pictures a second, none of which pair.
+  const auto start = std::chrono::steady_clock::now();
+  const auto in_wrong_unit = [](int index, std::int64_t exposure_ns) {
+    return leftWall(index, exposure_ns / 1000);
+  };
+  const auto of_another_time = [](int index, std::int64_t exposure_ns) {
+    return rightWall(index, 3'600'000'000'000 + exposure_ns / 1000);
+  };
+  const LiveRun run = runUntil([](const LiveRun& so_far) { return so_far.no_pairs.size() >= 40; },
+                               in_wrong_unit, of_another_time, quick);
+  const auto periods =
+      (std::chrono::steady_clock::now() - start) / std::chrono::nanoseconds(test::kPeriod_ns);
+  EXPECT_TRUE(run.pairs.empty());
+  ASSERT_GE(run.no_pairs.size(), 40u);
+  EXPECT_LE(run.no_pairs.size(), 2 * static_cast<std::size_t>(periods));
 }
 
 TEST(PipelineLive, ReportsCameraThatBecomesSilent) {

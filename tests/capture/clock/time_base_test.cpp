@@ -132,6 +132,123 @@ TEST(TimeBase, NominalRateIsNamedAndNeverValid) {
   }
 }
 
+TEST(TimeBase, RtpTimeInAnotherUnitIsNamed) {
+  struct Unit {
+    double ticks = 0.0;  ///< a second
+    const char* problem = "";
+  };
+  const Unit units[] = {
+      {kFrameRate, "it counts 18 a second, not 90000"},
+      {1e3, "it counts 1000 a second, not 90000"},
+      {8e3, "it counts 8000 a second, not 90000"},
+      {1e6, "it counts 1000000 a second, not 90000"},
+      {1e9, "does not go on from picture to picture"},
+      {2.0 * 90e3, "runs 100.0 % too fast, so that no motion can be measured: its frame rate"}};
+  for (const Unit& unit : units) {
+    StereoTimestamper timestamper(ClockChoice::automatic);
+    const auto stamped = stampLeft(timestamper, 12.0, [&](int, double time) {
+      Picture picture = regular(time);
+      picture.pts = std::llround(unit.ticks * time);
+      return picture;
+    });
+    EXPECT_EQ(countValid(stamped, 0.0, 12.0), 0U) << unit.ticks;
+    EXPECT_THAT(timestamper.status().problem, HasSubstr("the left camera's RTP time ")) << unit.ticks;
+    EXPECT_THAT(timestamper.status().problem, HasSubstr(unit.problem));
+  }
+}
+
+TEST(TimeBase, SkewBeyondACrystalIsFollowedOrNamed) {
+  // 200 ppm to 2 %: from beyond the limit of a crystal to beyond that of the pace.
+  for (const double skew : {2e-4, 5e-4, 1e-3, 3e-3, 5e-3, 7e-3, 2e-2}) {
+    for (const double sign : {-1.0, 1.0}) {
+      StereoTimestamper timestamper(ClockChoice::automatic);
+      const auto stamped = stampLeft(timestamper, 240.0, [&](int, double time) {
+        Picture picture = regular(time);
+        picture.pts = std::llround(90000.0 * time * (1.0 + sign * skew));
+        return picture;
+      });
+      const std::size_t valid = countValid(stamped, 180.0, 240.0);
+      const bool is_followed = valid > 1000;
+      EXPECT_NE(is_followed, timestamper.status().problem.find("RTP time runs") != std::string::npos)
+          << sign * skew << ": " << valid << " valid, " << timestamper.status().problem;
+      EXPECT_TRUE(is_followed || skew > 4e-3) << sign * skew;
+      if (is_followed) {
+        EXPECT_NEAR(timestamper.status().cameras[0].skew, -sign * skew, 0.02 * skew + 1e-5);
+        EXPECT_NEAR(stamped.back().age_error, 0.0, 5e-3) << sign * skew;
+      }
+    }
+  }
+}
+
+TEST(TimeBase, UnevenRtpTimeIsNamedOnlyIfExposuresAreEven) {
+  const auto problemOf = [](const std::function<Picture(int, double)>& left) {
+    StereoTimestamper timestamper(ClockChoice::automatic);
+    stampLeft(timestamper, 8.0, left);
+    return timestamper.status().problem;
+  };
+  std::mt19937 random(1);
+  std::exponential_distribution<double> delay(1.0 / 0.002);
+  const auto with_delay = [&](Picture picture) {
+    picture.arrival_ns += nanoseconds(delay(random));
+    return picture;
+  };
+  EXPECT_THAT(problemOf([&](int, double time) {
+                Picture picture = with_delay(regular(time));
+                picture.pts = 900 * std::llround(100.0 * time);  // rounded to 10 ms
+                return picture;
+              }),
+              HasSubstr("the left camera's RTP time is uneven by"));
+  EXPECT_THAT(problemOf([&](int i, double time) {
+                Picture picture = with_delay(regular(time));
+                if (i % 18 == 0) picture.pts += 1800;  // 20 ms late in key pictures
+                return picture;
+              }),
+              HasSubstr("the left camera's RTP time is uneven by"));
+  EXPECT_EQ(problemOf([&](int i, double time) {
+              return with_delay(regular(time + (i % 3 == 0 ? 0.01 : 0.0)));  // exposed unevenly
+            }),
+            "");
+  EXPECT_EQ(problemOf([&](int, double time) { return with_delay(with_delay(regular(time))); }), "");
+}
+
+TEST(TimeBase, ProcessThatStoodStillTakesThePicturesThatWaited) {
+  // SIGSTOP or a suspended host: all that was sent meanwhile is read at once.
+  for (const double pause : {3.0, 8.0, 30.0}) {
+    StereoTimestamper timestamper(ClockChoice::automatic);
+    const auto stamped = stampLeft(timestamper, 60.0, [&](int, double time) {
+      Picture picture = regular(time);
+      if (time >= 20.0 && time < 20.0 + pause) picture.arrival_ns = kEpoch_ns + nanoseconds(20.08 + pause);
+      return picture;
+    });
+    EXPECT_EQ(timestamper.status().problem, "") << pause;
+    EXPECT_GT(countValid(stamped, 21.0 + pause, 60.0), static_cast<std::size_t>((38.0 - pause) * kFrameRate))
+        << pause;
+    for (const Stamped& s : stamped) {
+      if (s.time > 20.0 + pause) {
+        EXPECT_NEAR(s.age_error, 0.0, 2e-3) << pause << " " << s.time;
+      }
+    }
+  }
+}
+
+TEST(TimeBase, OffsetThatStaysUncertainIsExplained) {
+  // Pictures wait for up to a second, each anew: neither a pace nor a jump.
+  StereoTimestamper timestamper(ClockChoice::automatic);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> delay(0.0, 1.0);
+  double last = 0.0;
+  const auto stamped = stampLeft(timestamper, 20.0, [&](int, double time) {
+    Picture picture = regular(time);
+    last = std::max(last, time + delay(random));
+    picture.arrival_ns = kEpoch_ns + nanoseconds(last + 0.08);
+    return picture;
+  });
+  const std::size_t valid = countValid(stamped, 10.0, 20.0);
+  if (valid < 90U) {
+    EXPECT_THAT(timestamper.status().problem, HasSubstr("the time offset between the cameras is")) << valid;
+  }
+}
+
 TEST(TimeBase, SlowAndUnsteadyArrivalsAreNotTakenForAWrongPace) {
   // A slow computer or a poor radio link: mean delays of 30 ms, at 3 pictures a second and more.
   for (const double rate : {3.0, 18.0}) {

@@ -61,7 +61,7 @@ struct RtspSession::Connection {
       : settings(camera_settings),
         interrupted(stop),
         client(camera_settings, stop, [this](const RtspInput& input) { takeInterleaved(input); }),
-        url(camera_settings.url),
+        url(urlForServer(camera_settings.url)),
         sequencer(isUdp() ? kUdpWindow : 0, kUdpPatience_ns),
         receiver(std::random_device{}()) {}
 

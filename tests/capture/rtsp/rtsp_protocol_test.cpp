@@ -191,6 +191,23 @@ TEST(SessionDescription, ReadsParameterSetsHoweverTheyArePadded) {
   }
 }
 
+TEST(SessionDescription, TakesEachPayloadTypeAndLineEnd) {
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    std::string text;
+    for (const char* line :
+         {"m=video 0 RTP/AVP 26 97 98", "a=rtpmap:97 H264/90000", "a=fmtp:97 x=y", "a=control:t"})
+      text.append(line).append(end);
+    std::string offered;
+    const auto video = describedVideo(text, offered);
+    ASSERT_TRUE(video);
+    EXPECT_EQ(video->payload_type, 97);
+    EXPECT_EQ(video->control, "t");
+  }
+  std::string offered;
+  EXPECT_TRUE(describedVideo("m=video 0 RTP/AVP 96\na=fmtp:96 sprop-parameter-sets=aM48gA==\n", offered))
+      << "no rtpmap";
+}
+
 TEST(SessionDescription, PrefersVideoWithoutEncryption) {
   const std::string encrypted = "m=video 0 RTP/SAVPF 96\r\na=rtpmap:96 H264/90000\r\na=control:secret\r\n";
   const std::string open = "m=video 0 RTP/AVP 97\r\na=rtpmap:97 H264/90000\r\na=control:open\r\n";
@@ -309,12 +326,14 @@ TEST(RtcpPacket, ReadsSenderReportsAndGoodbyes) {
                                      0x80, 0,   0, 0, 0,    0,   0, 9, 0,    0,    0,    0,
                                      0,    0,   0, 0, 0x81, 203, 0, 1, 0,    0,    0,    7};
   const RtcpContent content = parseRtcp(bytes);
-  ASSERT_TRUE(content.report);
-  EXPECT_EQ(content.report->instant_us, 1'500'000);  // 1.5 s after 1970 began
-  EXPECT_EQ(content.report->timestamp, 9U);
-  EXPECT_EQ(content.report->ntp_middle, 0x7e818000U);
+  ASSERT_EQ(content.reports.size(), 1U);
+  EXPECT_EQ(content.reports[0].instant_us, 1'500'000);  // 1.5 s after 1970 began
+  EXPECT_EQ(content.reports[0].timestamp, 9U);
+  EXPECT_EQ(content.reports[0].ntp_middle, 0x7e818000U);
   EXPECT_EQ(content.ended_source, 7U);
-  EXPECT_FALSE(parseRtcp(std::span(bytes).first(20)).report);
+  EXPECT_THAT(parseRtcp(std::span(bytes).first(20)).reports, testing::IsEmpty());
+  EXPECT_TRUE(isRtcp(bytes));
+  EXPECT_FALSE(isRtcp(rtp(1)));
   const auto report = receiverReportPacket({1, 7, 3, 70000, 5, 6});
   EXPECT_EQ(report.size() % 4, 0U);
   EXPECT_EQ(report[1], 201);

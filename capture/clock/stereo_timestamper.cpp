@@ -147,6 +147,11 @@ void StereoTimestamper::setVisual(const std::optional<OffsetEstimate>& offset) {
   visual_ = offset;
 }
 
+void StereoTimestamper::setReportNote(CameraSide which, const std::string& note) {
+  const std::lock_guard lock(mutex_);
+  report_notes_[static_cast<std::size_t>(which)] = note;
+}
+
 /// Updates the desired exposures of both cameras relative to their minimum-delay arrivals.
 void StereoTimestamper::updateTargets() {
   const OffsetEstimate arrival = offsetByArrival();
@@ -248,10 +253,10 @@ std::string StereoTimestamper::problem() const {
   for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
     if (clock.seconds() < kFirstReportTimeout || clock.reports().hasData()) continue;
-    return std::string("the ") + (i == 0 ? "left" : "right") +
-           " camera sends no RTCP sender reports, so exposures are computed from arrival times: connect to "
-           "the "
-           "camera itself and synchronise it by NTP, or set cameras.clock: auto";
+    return std::string("the ") + (i == 0 ? "left" : "right") + " camera sends no RTCP sender reports" +
+           (report_notes_[i].empty() ? "" : " that can be used, but " + report_notes_[i]) +
+           ", so exposures are computed from arrival times: connect to the camera itself and synchronise it "
+           "by NTP, or set cameras.clock: auto";
   }
   const bool reports_matter = choice_ == ClockChoice::automatic || choice_ == ClockChoice::ntp;
   const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;

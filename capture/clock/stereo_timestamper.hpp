@@ -84,6 +84,9 @@ class StereoTimestamper {
   /// The cameras' wall clocks are compared with the former.
   void setHostClockCorrection(std::int64_t correction_ns);
 
+  /// Sets what is said of the camera's sender reports that were left out; empty: none were.
+  void setReportNote(CameraSide side, const std::string& note);
+
   ClockStatus status() const;
 
  private:
@@ -125,6 +128,7 @@ class StereoTimestamper {
   double uncertain_share_ = 0.0;  ///< of the latest pictures: their offset's standard deviation is large
   InstantSource source_ = InstantSource::arrival;
   double host_clock_correction_ns_ = 0.0;
+  std::array<std::string, 2> report_notes_;  ///< left, right
 };
 
 }  // namespace cartvo::capture

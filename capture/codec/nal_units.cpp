@@ -36,9 +36,10 @@ NalUnit classifyH265(std::span<const std::uint8_t> nal) {
   return unit;
 }
 
-/// The first start code from `from` on, or the end.
-std::span<const std::uint8_t>::iterator findStartCode(std::span<const std::uint8_t>::iterator from,
-                                                      std::span<const std::uint8_t> data) {
+}  // namespace
+
+std::span<const std::uint8_t>::iterator findStartCode(std::span<const std::uint8_t> data) {
+  auto from = data.begin();
   while (data.end() - from >= 3) {
     // The code's last byte is the rarest one to search for.
     const void* found = std::memchr(&from[2], 1, static_cast<std::size_t>(data.end() - from - 2));
@@ -49,8 +50,6 @@ std::span<const std::uint8_t>::iterator findStartCode(std::span<const std::uint8
   }
   return data.end();
 }
-
-}  // namespace
 
 std::size_t nalHeaderSize(VideoCodec codec) {
   return codec == VideoCodec::h264 ? 1 : 2;
@@ -80,7 +79,7 @@ bool isKeySlice(VideoCodec codec, std::span<const std::uint8_t> nal) {
 
 std::vector<NalUnit> splitNalUnits(VideoCodec codec, std::span<const std::uint8_t> data) {
   std::vector<NalUnit> units;
-  const auto next = [&](auto from) { return findStartCode(from, data); };
+  const auto next = [&](auto from) { return findStartCode({from, data.end()}); };
   for (auto code = next(data.begin()); code != data.end();) {
     const auto begin = code + kStartCode.size();
     code = next(begin);

@@ -30,6 +30,9 @@ struct NalUnit {
   bool is_reference = false;  ///< H.264: later pictures may be predicted from it
 };
 
+/// The first start code (bytes 0, 0, 1), or the end.
+std::span<const std::uint8_t>::iterator findStartCode(std::span<const std::uint8_t> data);
+
 /// Size of a NAL unit's header, bytes: 1 in H.264, 2 in H.265.
 std::size_t nalHeaderSize(VideoCodec codec);
 

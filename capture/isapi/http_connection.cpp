@@ -80,8 +80,11 @@ void initialiseCurl() {
 }  // namespace
 
 std::string HttpAddress::url() const {
+  std::string name = host;
   const bool is_ipv6 = host.find(':') != std::string::npos;
-  return (tls ? "https://" : "http://") + (is_ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+  if (const std::size_t zone = name.find('%'); is_ipv6 && zone != std::string::npos)
+    name.insert(zone + 1, "25");  // RFC 6874
+  return (tls ? "https://" : "http://") + (is_ipv6 ? "[" + name + "]" : name) + ":" + std::to_string(port);
 }
 
 struct HttpConnection::Handle {
@@ -102,6 +105,7 @@ struct HttpConnection::Handle {
     curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
     curl_easy_setopt(curl, CURLOPT_PROXY, "");
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(curl, CURLOPT_QUICK_EXIT, 1L);  // else its end waits for a name server that is silent
     curl_easy_setopt(curl, CURLOPT_FOLLOWLOCATION, 0L);
     curl_easy_setopt(curl, CURLOPT_TIMEOUT_MS, static_cast<long>(timeout.count()));
     curl_easy_setopt(curl, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));

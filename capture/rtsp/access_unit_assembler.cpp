@@ -2,6 +2,7 @@
 
 #include "capture/rtsp/access_unit_assembler.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -18,7 +19,26 @@ constexpr int kH265Fragment = 49;   // FU
 constexpr std::uint8_t kFragmentBegins = 0x80;
 constexpr std::uint8_t kFragmentEnds = 0x40;
 
-constexpr std::array<std::uint8_t, 4> kStartCode = {0, 0, 0, 1};
+constexpr std::array<std::uint8_t, 4> kLongStartCode = {0, 0, 0, 1};
+constexpr std::size_t kShortStartCode = 3;  ///< bytes: 0 0 1
+
+/// Number of zeros at the end, at most `limit`.
+std::size_t trailingZeros(std::span<const std::uint8_t> data, std::size_t limit) {
+  std::size_t zeros = 0;
+  while (zeros < std::min(limit, data.size()) && data[data.size() - 1 - zeros] == 0)
+    ++zeros;
+  return zeros;
+}
+
+/// The data after a start code at their beginning, which a payload should not have.
+std::span<const std::uint8_t> withoutStartCode(std::span<const std::uint8_t> data) {
+  for (const std::size_t zeros : {std::size_t{2}, std::size_t{3}}) {
+    const bool has_code =
+        data.size() > zeros && data[zeros] == 1 && trailingZeros(data.first(zeros), zeros) == zeros;
+    if (has_code) return data.subspan(zeros + 1);
+  }
+  return data;
+}
 
 }  // namespace
 
@@ -39,26 +59,32 @@ void AccessUnitAssembler::add(const StreamFragment& fragment) {
 }
 
 void AccessUnitAssembler::addH264(const StreamFragment& fragment) {
-  const std::span<const std::uint8_t> data = fragment.data;
+  const std::span<const std::uint8_t> data = withoutStartCode(fragment.data);
   if (data.empty()) return;
   const int type = data[0] & 0x1f;
   if (type == kH264Aggregate) return addAggregate(data.subspan(1), fragment);
   if (type < kH264Aggregate) return addWholeNal(data, fragment);
-  if (type != kH264Fragment || data.size() < 3) return;
+  if (type != kH264Fragment) return leaveOut(type);
+  if (data.size() < 2) return;
   const std::array<std::uint8_t, 1> header = {static_cast<std::uint8_t>((data[0] & 0xe0) | (data[1] & 0x1f))};
   addFragmentedNal(header, data[1], data.subspan(2), fragment);
 }
 
 void AccessUnitAssembler::addH265(const StreamFragment& fragment) {
-  const std::span<const std::uint8_t> data = fragment.data;
+  const std::span<const std::uint8_t> data = withoutStartCode(fragment.data);
   if (data.size() < 3) return;
   const int type = (data[0] >> 1) & 0x3f;
   if (type == kH265Aggregate) return addAggregate(data.subspan(2), fragment);
   if (type < kH265Aggregate) return addWholeNal(data, fragment);
-  if (type != kH265Fragment || data.size() < 4) return;
+  if (type != kH265Fragment) return leaveOut(type);
   const std::array<std::uint8_t, 2> header = {
       static_cast<std::uint8_t>((data[0] & 0x81) | (data[2] & 0x3f) << 1), data[1]};
   addFragmentedNal(header, data[2], data.subspan(3), fragment);
+}
+
+void AccessUnitAssembler::leaveOut(int type) {
+  ++unsupported_;
+  unsupported_type_ = type;
 }
 
 /// NAL units, each behind its size in 16 bits.
@@ -74,29 +100,74 @@ void AccessUnitAssembler::addAggregate(std::span<const std::uint8_t> data, const
 
 void AccessUnitAssembler::addWholeNal(std::span<const std::uint8_t> nal, const StreamFragment& fragment) {
   if (nal.size() < nalHeaderSize(codec_)) return;
+  openNal();
+  addNalBytes(nal, fragment, true);
   nal_is_open_ = false;
-  if (!beginNal(nal, fragment)) return;
-  append(kStartCode, fragment);
-  append(nal, fragment);
 }
 
 void AccessUnitAssembler::addFragmentedNal(std::span<const std::uint8_t> header, std::uint8_t fragment_header,
                                            std::span<const std::uint8_t> data,
                                            const StreamFragment& fragment) {
   if ((fragment_header & kFragmentBegins) != 0) {
-    // The header and the slice's first byte, which tells whether the picture begins.
-    std::array<std::uint8_t, 3> beginning{};
-    std::copy(header.begin(), header.end(), beginning.begin());
-    beginning[header.size()] = data[0];
-    nal_is_open_ = beginNal(std::span(beginning).first(header.size() + 1), fragment);
-    if (!nal_is_open_) return;
-    append(kStartCode, fragment);
-    append(header, fragment);
+    openNal();
+    held_back_.assign(header.begin(), header.end());
   } else if (!nal_is_open_) {
     return;  // its beginning is missing
   }
-  append(data, fragment);
-  if ((fragment_header & kFragmentEnds) != 0) nal_is_open_ = false;
+  const bool ends = (fragment_header & kFragmentEnds) != 0;
+  addNalBytes(data, fragment, ends);
+  if (ends) nal_is_open_ = false;
+}
+
+/// Opens a NAL unit: its bytes follow.
+void AccessUnitAssembler::openNal() {
+  nal_is_open_ = true;
+  nal_is_begun_ = nal_is_used_ = false;
+  held_back_.clear();
+}
+
+/// Adds bytes of the open NAL unit. Where they contain start codes, as some cameras send them, they are
+/// several NAL units: in one unit alone emulation prevention excludes the code (ITU-T H.264, 7.4.1). Bytes at
+/// the end that may belong to a start code or to a header are held back until more follow, or this is the
+/// unit's end.
+void AccessUnitAssembler::addNalBytes(std::span<const std::uint8_t> data, const StreamFragment& fragment,
+                                      bool ends) {
+  std::vector<std::uint8_t> joined;
+  if (!held_back_.empty()) {
+    joined.swap(held_back_);
+    joined.insert(joined.end(), data.begin(), data.end());
+    data = joined;
+  }
+  const std::size_t beginning = nalHeaderSize(codec_) + 1;  // with the byte that tells where a picture begins
+  for (;;) {
+    const auto code = findStartCode(data);
+    const std::size_t size = static_cast<std::size_t>(code - data.begin());  // of the current unit
+    const bool is_last = code == data.end();
+    std::span<const std::uint8_t> unit = data.first(size);
+    if (is_last && !ends) {
+      const bool is_short = !nal_is_begun_ && unit.size() < std::max(beginning, kLongStartCode.size());
+      const std::size_t kept = is_short ? unit.size() : trailingZeros(unit, kLongStartCode.size() - 2);
+      held_back_.assign(unit.end() - static_cast<std::ptrdiff_t>(kept), unit.end());
+      unit = unit.first(unit.size() - kept);
+    } else if (!is_last) {
+      unit = unit.first(unit.size() - trailingZeros(unit, unit.size()));
+    }
+    if (!unit.empty()) addUnitBytes(unit, fragment);
+    if (is_last) return;
+    nal_is_begun_ = nal_is_used_ = false;
+    data = data.subspan(size + kShortStartCode);
+  }
+}
+
+/// Adds bytes of one NAL unit without start codes.
+void AccessUnitAssembler::addUnitBytes(std::span<const std::uint8_t> unit, const StreamFragment& fragment) {
+  if (!nal_is_begun_) {
+    if (unit.size() < nalHeaderSize(codec_)) return;
+    nal_is_begun_ = true;
+    nal_is_used_ = beginNal(unit.first(std::min(unit.size(), nalHeaderSize(codec_) + 1)), fragment);
+    if (nal_is_used_) append(kLongStartCode, fragment);
+  }
+  if (nal_is_used_) append(unit, fragment);
 }
 
 /// Begins a picture if the NAL unit does. False if the NAL unit belongs to a picture that was delivered.

@@ -55,6 +55,10 @@ class AccessUnitAssembler {
   /// Removes and returns the next complete picture, or nothing.
   std::optional<AssembledUnit> popUnit();
 
+  /// Number of payloads whose structure is not supported, which were left out, and the type of the last one.
+  std::uint64_t unsupported() const { return unsupported_; }
+  int unsupportedType() const { return unsupported_type_; }
+
   /// Whether the marker bit is confirmed: pictures are delivered with their last packet.
   bool completesEarly() const {
     return !marker_rejected_ && confirmations_ >= kConfirmationsNeeded && confirmed_on_key_;
@@ -70,6 +74,10 @@ class AccessUnitAssembler {
   void addWholeNal(std::span<const std::uint8_t> nal, const StreamFragment& fragment);
   void addFragmentedNal(std::span<const std::uint8_t> header, std::uint8_t fragment_header,
                         std::span<const std::uint8_t> data, const StreamFragment& fragment);
+  void leaveOut(int type);
+  void openNal();
+  void addNalBytes(std::span<const std::uint8_t> data, const StreamFragment& fragment, bool ends);
+  void addUnitBytes(std::span<const std::uint8_t> unit, const StreamFragment& fragment);
   bool beginNal(std::span<const std::uint8_t> beginning, const StreamFragment& fragment);
   void beginPicture(const StreamFragment& fragment);
   void append(std::span<const std::uint8_t> data, const StreamFragment& fragment);
@@ -80,6 +88,11 @@ class AccessUnitAssembler {
   VideoCodec codec_;
   std::deque<AssembledUnit> complete_;
   std::optional<AssembledUnit> current_;
+  std::vector<std::uint8_t> held_back_;  ///< bytes at the end of the open NAL unit
+  bool nal_is_begun_ = false;            ///< beginNal was called for the open NAL unit
+  bool nal_is_used_ = false;             ///< it belongs to the current picture
+  std::uint64_t unsupported_ = 0;
+  int unsupported_type_ = 0;
   bool nal_is_open_ = false;   ///< further fragments of the last NAL unit follow
   bool lost_since_ = false;    ///< packets were lost since the current picture's last fragment
   bool delivered_ = false;     ///< the current picture was delivered with its marker bit

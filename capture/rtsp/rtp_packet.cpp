@@ -65,13 +65,19 @@ std::optional<RtpPacket> parseRtpPacket(std::span<const std::uint8_t> packet) {
   return result;
 }
 
+bool isRtcp(std::span<const std::uint8_t> packet) {
+  constexpr std::uint8_t kFirst = 192,
+                         kLast = 223;  // with the marker bit, payload types that RTP must not use
+  return packet.size() >= 4 && packet[0] >> 6 == kVersion && packet[1] >= kFirst && packet[1] <= kLast;
+}
+
 RtcpContent parseRtcp(std::span<const std::uint8_t> packet) {
   RtcpContent content;
   while (packet.size() >= 4 && packet[0] >> 6 == kVersion) {
     const std::size_t length = 4 * (static_cast<std::size_t>(read16(packet, 2)) + 1);
     if (length > packet.size()) break;
     const std::span<const std::uint8_t> part = packet.first(length);
-    if (part[1] == kSenderReport && length >= 28) content.report = readSenderReport(part);
+    if (part[1] == kSenderReport && length >= 28) content.reports.push_back(readSenderReport(part));
     if (part[1] == kGoodbye && length >= 8) content.ended_source = read32(part, 4);
     packet = packet.subspan(length);
   }

@@ -31,9 +31,12 @@ struct SenderReport {
   std::uint32_t ntp_middle = 0;  ///< middle 32 bits of the NTP time stamp, for the receiver's report
 };
 
+/// Whether a packet is RTCP rather than RTP, by its type: both may come on one channel or port (RFC 5761, 4).
+bool isRtcp(std::span<const std::uint8_t> packet);
+
 /// The used parts of a compound RTCP packet.
 struct RtcpContent {
-  std::optional<SenderReport> report;
+  std::vector<SenderReport> reports;
   std::optional<std::uint32_t> ended_source;  ///< SSRC that left the session (BYE)
 };
 

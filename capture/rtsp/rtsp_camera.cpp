@@ -98,6 +98,8 @@ class PictureStream {
     return std::nullopt;
   }
 
+  const AccessUnitAssembler& assembler() const { return assembler_; }
+
   VideoDecoder& decoder() { return decoder_; }
   const VideoDecoder& decoder() const { return decoder_; }
 
@@ -206,6 +208,8 @@ class RtspCamera::Receiver {
     frame_deadline_ =
         connected_at_ + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
+    remarks_.clear();
+    timestamper_->setReportNote(side_, {});
     const std::lock_guard lock(mutex_);
     health_.advice.clear();
   }
@@ -214,6 +218,7 @@ class RtspCamera::Receiver {
     switch (session_->receive(fragment_, frame_deadline_)) {
       case RtspSession::Outcome::fragment:
         stream_->add(fragment_);
+        noteRemarks();
         while (std::optional<EncodedUnit> unit = stream_->popUnit(next_sequence_)) {
           if (observer_ != nullptr) observer_->onUnit(*unit);
           stream_->decoder().send(*unit);
@@ -233,8 +238,28 @@ class RtspCamera::Receiver {
     }
   }
 
+  /// Takes over what the session and the assembler have left out.
+  void noteRemarks() {
+    StreamRemarks& all = session_->remarks();
+    const AccessUnitAssembler& assembler = stream_->assembler();
+    all.setTotal(StreamRemarks::Kind::structure, assembler.unsupported(),
+                 std::to_string(assembler.unsupportedType()));
+    all.setTotal(StreamRemarks::Kind::overflow, overflow_);
+    if (all.text() == remarks_) return;
+    remarks_ = all.text();
+    timestamper_->setReportNote(side_, all.text(StreamRemarks::Kind::report));
+    const std::lock_guard lock(mutex_);
+    health_.advice = "the camera at " + rtspHost(settings_.url) + " sends what is left out: " + remarks_;
+  }
+
+  /// Why no frame came in time, and what was left out.
+  std::string whyNoFrame() {
+    const std::string& left_out = session_->remarks().text();
+    return whyNoPicture() + (left_out.empty() ? "" : "; left out: " + left_out);
+  }
+
   /// Why no frame came in time: no packets, or packets that give no picture.
-  std::string whyNoFrame() const {
+  std::string whyNoPicture() const {
     const cv::Size refused = stream_->decoder().refusedSize();
     if (!refused.empty()) {
       return "sends pictures of " + sizeText(refused) + ", which are too large: at most " +
@@ -266,7 +291,10 @@ class RtspCamera::Receiver {
       failures_ = 0;
       refusals_ = 0;
       // One unit gives one frame; several are queued only if the decoder reorders.
-      if (frames_.size() >= kMaxQueuedFrames) frames_.pop_front();
+      if (frames_.size() >= kMaxQueuedFrames) {
+        frames_.pop_front();
+        ++overflow_;
+      }
       frames_.push_back(std::move(*frame));
     }
   }
@@ -280,7 +308,7 @@ class RtspCamera::Receiver {
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen) health_.last_error = frozen_text_;
     health_.instant_source = frame.instant_source;
-    if (health_.advice.empty() && stream_->decoder().reorders()) {
+    if (remarks_.empty() && health_.advice.empty() && stream_->decoder().reorders()) {
       health_.advice =
           "the camera at " + rtspHost(settings_.url) +
           " sends B-frames, which delay its pictures by some frame periods; switch them off in the "
@@ -361,6 +389,8 @@ class RtspCamera::Receiver {
   std::uint64_t next_sequence_ = 0;
   int failures_ = 0;
   int refusals_ = 0;
+  std::uint64_t overflow_ = 0;  ///< frames that were not read in time
+  std::string remarks_;         ///< text of what this connection has left out
 
   mutable std::mutex mutex_;  ///< guards health_
   std::condition_variable wake_;

@@ -62,7 +62,7 @@ bool RtspClient::sendAgain(Clock::time_point deadline) {
 
 RtspResponse RtspClient::request(std::string_view method, std::string& url, const Headers& headers,
                                  Clock::time_point deadline) {
-  bool may_reconnect = false;
+  bool may_reconnect = has_answered_ && !has_session_;  // it may have ended its answer by closing
   int redirections = 0;
   send(method, url, headers, deadline);
   for (;;) {
@@ -81,6 +81,8 @@ RtspResponse RtspClient::request(std::string_view method, std::string& url, cons
       url = redirected(input.head);
       send(method, url, headers, deadline);
     } else {
+      has_answered_ = true;
+      has_session_ = has_session_ || input.head.header("session").has_value();
       return {std::move(input.head), std::move(input.body)};
     }
   }
@@ -95,9 +97,10 @@ RtspInput RtspClient::receiveResponse(Clock::time_point deadline) {
       on_packet_(input);
     } else if (input.kind != RtspInput::Kind::message) {
       return input;
-    } else if (input.head.status != 0) {
-      const auto number = input.head.number("cseq");
-      if (!number || *number == static_cast<std::size_t>(last_.number)) return input;
+    } else if (input.head.status >= 200) {
+      return input;  // requests are answered one by one; some cameras state a wrong CSeq
+    } else if (input.head.status == 0) {
+      answerRequest(input.head, deadline);
     }
     if (Clock::now() >= deadline) return {};
   }
@@ -141,7 +144,17 @@ void RtspClient::acceptChallenge(const RtspHead& head) {
   last_.answered_challenge = true;
 }
 
+/// Answers a request of the server: some end the session otherwise.
+bool RtspClient::answerRequest(const RtspHead& head, Clock::time_point deadline) {
+  const bool is_known = head.reason.starts_with("OPTIONS ") || head.reason.starts_with("GET_PARAMETER ");
+  std::string text = is_known ? "RTSP/1.0 200 OK\r\n" : "RTSP/1.0 501 Not Implemented\r\n";
+  if (const auto number = head.number("cseq"))
+    text.append("CSeq: ").append(std::to_string(*number)).append("\r\n");
+  return socket_.send(bytesOf(text.append("\r\n")), deadline);
+}
+
 bool RtspClient::takeResponse(const RtspHead& head, Clock::time_point deadline) {
+  if (head.status == 0) return answerRequest(head, deadline);
   if (head.status != 401) return true;
   try {
     acceptChallenge(head);

@@ -46,7 +46,7 @@ class RtspClient {
             Clock::time_point deadline);
 
   /// Takes a message that was received outside of `request`. Answers a challenge by sending the last request
-  /// again. False if the server refuses it.
+  /// again, and requests of the server. False if the server refuses it.
   bool takeResponse(const RtspHead& head, Clock::time_point deadline);
 
   /// Error for a response that is no success, with what to do about it.
@@ -64,6 +64,7 @@ class RtspClient {
 
   bool sendAgain(Clock::time_point deadline);
   RtspInput receiveResponse(Clock::time_point deadline);
+  bool answerRequest(const RtspHead& head, Clock::time_point deadline);
   void acceptChallenge(const RtspHead& head);
   std::string redirected(const RtspHead& head) const;
   RtspError closedError(std::string_view method, const RtspInput& input) const;
@@ -77,6 +78,8 @@ class RtspClient {
   RtspSocket socket_;
   Authenticator authenticator_;
   Sent last_;
+  bool has_answered_ = false;  ///< the server has answered a request
+  bool has_session_ = false;   ///< of the connection, which must not be lost any more
 };
 
 }  // namespace cartvo::capture

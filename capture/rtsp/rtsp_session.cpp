@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <optional>
 #include <random>
 #include <system_error>
@@ -19,6 +20,7 @@ namespace cartvo::capture {
 namespace {
 
 using Clock = RtspSession::Clock;
+using Remark = StreamRemarks::Kind;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
@@ -29,7 +31,9 @@ constexpr seconds kReportInterval{5};                  ///< of receiver reports 
 constexpr std::size_t kUdpWindow = 64;                 ///< packets
 constexpr std::int64_t kUdpPatience_ns = 100'000'000;  ///< for a packet that others have overtaken
 constexpr int kMaxUdpBatch = 64;
-constexpr int kMaxPacketsElsewhere = 20;  ///< until the stream's channel is changed
+constexpr int kMaxPacketsElsewhere = 20;  ///< until the stream's channel or payload type is changed
+constexpr std::int64_t kMaxReportDistance =
+    60 * 90000;  ///< RTP time between another source's report and a picture
 
 /// Value of a parameter of a header such as "RTP/AVP/TCP;unicast;interleaved=0-1"; nothing if it is missing.
 /// Ignores the case of the name, and blanks around name and value.
@@ -53,6 +57,15 @@ std::optional<int> leadingNumber(std::optional<std::string_view> text) {
   return value;
 }
 
+/// Base of the control URLs: as the answer to DESCRIBE states it, if that is a whole URL, else the request's.
+std::string baseUrl(const RtspHead& head, const std::string& request) {
+  for (const std::string_view name : {"content-base", "content-location"}) {
+    const std::string base(head.header(name).value_or(""));
+    if (lowerCase(base).starts_with("rtsp://")) return base;
+  }
+  return request;
+}
+
 }  // namespace
 
 struct RtspSession::Connection {
@@ -60,7 +73,7 @@ struct RtspSession::Connection {
       : settings(camera_settings),
         interrupted(stop),
         client(camera_settings, stop, [this](const RtspInput& input) { takeInterleaved(input); }),
-        url(camera_settings.url),
+        url(urlForServer(camera_settings.url)),
         sequencer(isUdp() ? kUdpWindow : 0, kUdpPatience_ns),
         receiver(std::random_device{}()) {}
 
@@ -73,6 +86,7 @@ struct RtspSession::Connection {
   void takeInterleaved(const RtspInput& input);
   void takeRtp(std::span<const std::uint8_t> bytes, std::int64_t arrival_ns);
   void takeRtcp(std::span<const std::uint8_t> bytes);
+  void takeReport(SenderReport one);
   void receiveDatagrams();
   std::optional<Outcome> receiveInput(Clock::time_point deadline);
   bool keepAlive();
@@ -102,6 +116,11 @@ struct RtspSession::Connection {
   RtpSequencer sequencer;
   std::uint32_t receiver;  ///< SSRC of the receiver reports
   std::optional<std::uint32_t> source;
+  std::uint32_t newest_timestamp = 0;
+  int packets_of_other_type = 0;  ///< in a row, before the first of the stream
+  int other_type = 0;
+  bool has_own_reports = false;  ///< a report named the packets' source
+  StreamRemarks remarks;
   std::optional<SenderReport> report;
   Clock::time_point report_arrival{};
   std::optional<std::int64_t> last_timestamp;  ///< unwrapped
@@ -125,6 +144,10 @@ const StreamFormat& RtspSession::format() const {
   return connection_->format;
 }
 
+StreamRemarks& RtspSession::remarks() {
+  return connection_->remarks;
+}
+
 const std::string& RtspSession::reason() const {
   return connection_->reason;
 }
@@ -143,7 +166,10 @@ void RtspSession::Connection::open() {
   setUp();
   RtspClient::Headers headers = sessionHeaders();
   headers.emplace_back("Range", "npt=0.000-");
-  const RtspResponse play = client.request("PLAY", control_url, headers, deadline);
+  RtspResponse play = client.request("PLAY", control_url, headers, deadline);
+  constexpr int kInvalidRange = 457;
+  if (play.head.status == kInvalidRange)
+    play = client.request("PLAY", control_url, sessionHeaders(), deadline);
   requireSuccess("PLAY", play.head);
   next_keep_alive = Clock::now() + keep_alive_interval;
   next_report = Clock::now() + kReportInterval;
@@ -169,8 +195,7 @@ void RtspSession::Connection::describe() {
   }
   format = video->format;
   payload_type = video->payload_type;
-  std::string base(response.head.header("content-base").value_or(""));
-  if (base.empty()) base = response.head.header("content-location").value_or(url);
+  const std::string base = baseUrl(response.head, url);
   stream_url = controlUrl(base, video->control);
   control_url = controlUrl(base, video->session_control);
 }
@@ -190,6 +215,12 @@ void RtspSession::Connection::setUp() {
   const RtspResponse response = client.request("SETUP", stream_url, {{"Transport", transport}}, deadline);
   requireSuccess("SETUP", response.head);
   const std::string_view answer = response.head.header("transport").value_or("");
+  if (isUdp() ? parameter(answer, "interleaved").has_value()
+              : !parameter(answer, "interleaved") && parameter(answer, "server_port")) {
+    throw RtspError(RtspError::Kind::unreachable,
+                    "the camera at " + rtspHost(settings.url) + " answers SETUP with another transport (" +
+                        quotedForMessage(answer) + "): set cameras.transport: " + (isUdp() ? "tcp" : "udp"));
+  }
   if (isUdp()) {
     const int port = leadingNumber(parameter(answer, "server_port")).value_or(0);
     if (port > 0 && port < 65535) udp->setPeer(client.socket().peer(), static_cast<std::uint16_t>(port));
@@ -205,44 +236,79 @@ void RtspSession::Connection::setUp() {
 }
 
 /// Takes a packet of the TCP connection. Changes the channel if the server sends the stream on another one
-/// than it answered to SETUP.
+/// than it answered to SETUP. Reports are known by their contents, on whichever channel they come.
 void RtspSession::Connection::takeInterleaved(const RtspInput& input) {
+  if (isRtcp(input.data)) return takeRtcp(input.data);
   if (!source && input.channel != rtp_channel) {
     const std::optional<RtpPacket> packet = parseRtpPacket(input.data);
     const bool is_stream = packet && packet->payload_type == payload_type;
-    if (is_stream && ++packets_elsewhere == kMaxPacketsElsewhere) rtp_channel = input.channel;
+    if (is_stream && ++packets_elsewhere < kMaxPacketsElsewhere) return;
+    if (is_stream) rtp_channel = input.channel;
   }
-  if (input.channel == rtp_channel) takeRtp(input.data, client.socket().arrivalNs());
-  if (input.channel == rtp_channel + 1) takeRtcp(input.data);
+  if (input.channel == rtp_channel) return takeRtp(input.data, client.socket().arrivalNs());
+  remarks.add(Remark::channel, std::to_string(input.channel));
 }
 
+/// Takes a packet of the stream. Changes the payload type if only packets of another one come than is
+/// described.
 void RtspSession::Connection::takeRtp(std::span<const std::uint8_t> bytes, std::int64_t arrival_ns) {
   const std::optional<RtpPacket> packet = parseRtpPacket(bytes);
-  if (!packet || packet->payload_type != payload_type || packet->payload.empty()) return;
+  if (!packet) return remarks.add(Remark::malformed);
+  if (packet->payload_type != payload_type) {
+    const bool is_another = packets_of_other_type++ > 0 && packet->payload_type != other_type;
+    if (is_another) packets_of_other_type = 1;
+    other_type = packet->payload_type;
+    remarks.add(Remark::payload_type,
+                std::to_string(other_type) + " instead of " + std::to_string(payload_type));
+    if (source || packets_of_other_type < kMaxPacketsElsewhere) return;
+    payload_type = other_type;
+  }
+  if (packet->payload.empty()) return;  // keeps a way through firewalls open
   source = packet->source;
+  newest_timestamp = packet->timestamp;
   sequencer.add(*packet, {{bytes.begin(), bytes.end()}, arrival_ns, false});
 }
 
 void RtspSession::Connection::takeRtcp(std::span<const std::uint8_t> bytes) {
   const RtcpContent content = parseRtcp(bytes);
-  if (content.report && (!source || content.report->source == *source)) {
-    report = content.report;
-    report_arrival = Clock::now();
-  }
+  for (const SenderReport& one : content.reports)
+    takeReport(one);
   if (content.ended_source && content.ended_source == source) ended = true;
+}
+
+/// Takes a sender report. Some cameras put another source into it than into their packets: only one stream is
+/// set up, so that it belongs to this one, unless reports of the source itself come, or its RTP time is
+/// another.
+void RtspSession::Connection::takeReport(SenderReport one) {
+  if (source && one.source != *source) {
+    const std::int64_t distance = static_cast<std::int32_t>(one.timestamp - newest_timestamp);
+    const bool is_near = std::abs(distance) <= kMaxReportDistance;
+    if (has_own_reports || !is_near) {
+      return remarks.add(Remark::report, "of the source " + std::to_string(one.source) +
+                                             ", while the packets' source is " + std::to_string(*source) +
+                                             (is_near ? "" : ", and whose RTP time is another"));
+    }
+    one.source = *source;
+  } else if (source) {
+    has_own_reports = true;
+  }
+  report = one;
+  report_arrival = Clock::now();
 }
 
 void RtspSession::Connection::receiveDatagrams() {
   for (int i = 0; i < kMaxUdpBatch; ++i) {
     const auto packet = udp->receive(0);
     if (!packet) break;
-    takeRtp(*packet, udp->arrivalNs());
+    isRtcp(*packet) ? takeRtcp(*packet) : takeRtp(*packet, udp->arrivalNs());
   }
   for (int i = 0; i < kMaxUdpBatch; ++i) {
     const auto packet = udp->receive(1);
     if (!packet) break;
     takeRtcp(*packet);
   }
+  if (udp->foreign() > remarks.count(Remark::host))
+    remarks.setTotal(Remark::host, udp->foreign(), udp->foreignAddress());
 }
 
 /// Sends the keep-alive request and the receiver report when they are due. False if the connection failed.
@@ -290,6 +356,8 @@ std::optional<RtspSession::Outcome> RtspSession::Connection::receiveInput(Clock:
   const RtspInput input =
       client.socket().receive(wake, udp ? std::span<const int>(udp->descriptors()) : std::span<const int>());
   if (udp) receiveDatagrams();
+  remarks.setTotal(Remark::stray_bytes, client.socket().skips());
+  remarks.setTotal(Remark::late, sequencer.leftOut());
   switch (input.kind) {
     case RtspInput::Kind::nothing:
       break;
@@ -297,6 +365,7 @@ std::optional<RtspSession::Outcome> RtspSession::Connection::receiveInput(Clock:
       takeInterleaved(input);
       break;
     case RtspInput::Kind::message:
+      if (input.head.status >= 402) keep_alive_method = "OPTIONS";  // it does not know GET_PARAMETER
       if (client.takeResponse(input.head, Clock::now() + settings.stall_timeout)) break;
       reason = "it refuses to keep the session alive (" + statusText(input.head) + ")";
       return Outcome::lost;

@@ -10,6 +10,7 @@
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/rtsp/rtsp_error.hpp"
+#include "capture/rtsp/stream_remarks.hpp"
 
 // One RTSP connection. Internal to RtspCamera.
 
@@ -37,6 +38,9 @@ class RtspSession {
   /// Waits for the next RTP packet of the video stream. `fragment.data` is valid until the next call. After
   /// any other outcome than `fragment` the session must not be used further.
   Outcome receive(StreamFragment& fragment, Clock::time_point deadline);
+
+  /// Counters of what the camera sends and is left out. The user of the packets adds what it leaves out.
+  StreamRemarks& remarks();
 
   /// Reason for the outcome `lost`, for messages.
   const std::string& reason() const;

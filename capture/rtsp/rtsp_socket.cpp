@@ -6,15 +6,15 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <memory>
 #include <string_view>
 
 #include <fcntl.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <unistd.h>
+
+#include "common/ascii_text.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -22,6 +22,10 @@ namespace {
 constexpr std::chrono::milliseconds kPollInterval{50};
 constexpr std::size_t kBufferSize = 256U << 10;
 constexpr std::size_t kInterleavedHeader = 4;
+constexpr std::size_t kMaxSkipped = kBufferSize;  ///< bytes in a row that are no packet and no message
+constexpr std::size_t kMaxMethod = 13;            ///< letters of a request's method: SET_PARAMETER
+constexpr std::size_t kMaxRequestLine = 1024;
+constexpr std::chrono::milliseconds kRestPause{300};  ///< after which nothing more of a description comes
 static_assert(kBufferSize > kMaxRtspHead + kMaxRtspBody && kBufferSize > kInterleavedHeader + 0xffff);
 
 RtspInput invalid(std::string reason) {
@@ -40,6 +44,20 @@ std::optional<std::size_t> headSize(std::string_view text) {
   return std::nullopt;
 }
 
+/// Whether a message carries a session description (SDP), also one that does not say so.
+bool isDescription(const RtspHead& head, std::string_view body) {
+  if (head.status != 200) return false;
+  return lowerCase(head.header("content-type").value_or("")).find("sdp") != std::string::npos ||
+         body.starts_with("v=") || body.starts_with("m=");
+}
+
+/// Whether the stated length is that of the description: it ends with a line, and the next thing follows.
+bool isWholeDescription(std::string_view received, std::optional<std::size_t> stated) {
+  if (!stated || *stated == 0 || *stated > received.size() || received[*stated - 1] != '\n') return false;
+  const std::string_view after = received.substr(*stated);
+  return after.empty() || after.starts_with("$") || after.starts_with("RTSP/");
+}
+
 }  // namespace
 
 RtspSocket::~RtspSocket() {
@@ -49,43 +67,51 @@ RtspSocket::~RtspSocket() {
 void RtspSocket::close() {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
-  begin_ = end_ = 0;
+  begin_ = end_ = skipped_since_ = 0;
+  speaks_rtsp_ = awaits_rest_ = false;
+  channels_.reset();
 }
 
 std::optional<std::string> RtspSocket::connect(const RtspUrl& server, Clock::time_point deadline) {
   close();
   buffer_.resize(kBufferSize);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(server.host.c_str(), server.port.c_str(), &hints, &found); error != 0)
-    return gai_strerror(error);
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, freeaddrinfo);
-  int error = ETIMEDOUT;
-  for (const addrinfo* address = found; address != nullptr && !interrupted_; address = address->ai_next) {
-    close();
-    descriptor_ =
-        socket(address->ai_family, address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address->ai_protocol);
-    if (descriptor_ < 0) {
-      error = errno;
-      continue;
-    }
-    error = ::connect(descriptor_, address->ai_addr, address->ai_addrlen) == 0 ? 0 : errno;
-    if (error == EINPROGRESS) {
-      error = ETIMEDOUT;
-      socklen_t size = sizeof(error);
-      if (wait(POLLOUT, deadline, {})) getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size);
-    }
-    if (error == 0) {
-      std::memcpy(&peer_, address->ai_addr, std::min<std::size_t>(address->ai_addrlen, sizeof peer_));
-      const int on = 1;
-      setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      receiver_.begin(descriptor_);
-      return std::nullopt;
-    }
+  const ResolvedName name = resolveName(server.host, server.port, deadline, interrupted_);
+  std::string errors = name.error;
+  const std::size_t count = name.addresses.size();
+  for (std::size_t i = 0; i < count && !interrupted_; ++i) {
+    const ServerAddress& address = name.addresses[i];
+    // Each address gets its share of the time: one that does not answer must not use up that of the others.
+    const Clock::time_point now = Clock::now();
+    const int error = connectTo(address, now + (deadline - now) / static_cast<int>(count - i));
+    if (error == 0) return std::nullopt;
+    const std::string text = address.text();
+    if (!errors.empty()) errors += "; ";
+    if (count > 1 || text != server.host) errors.append(text).append(": ");
+    errors += std::strerror(error);
   }
   if (interrupted_) return std::nullopt;
-  return std::strerror(error);
+  return errors;
+}
+
+/// Connects to one address. Returns the error number, 0 on success.
+int RtspSocket::connectTo(const ServerAddress& address, Clock::time_point deadline) {
+  close();
+  descriptor_ = socket(address.address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (descriptor_ < 0) return errno;
+  int error = ::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address.address), address.size) == 0
+                  ? 0
+                  : errno;
+  if (error == EINPROGRESS) {
+    error = ETIMEDOUT;
+    socklen_t size = sizeof(error);
+    if (wait(POLLOUT, deadline, {})) getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
+  if (error != 0) return error;
+  peer_ = address.address;
+  const int on = 1;
+  setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  receiver_.begin(descriptor_);
+  return 0;
 }
 
 /// Waits until the socket is ready for `events`, or one of `wake` is readable. False at the deadline and
@@ -120,13 +146,25 @@ bool RtspSocket::send(std::span<const std::uint8_t> data, Clock::time_point dead
 
 RtspInput RtspSocket::receive(Clock::time_point deadline, std::span<const int> wake) {
   for (;;) {
-    if (std::optional<RtspInput> input = parseBuffered()) return std::move(*input);
-    if (std::optional<RtspInput> failure = fill()) {
-      if (failure->kind != RtspInput::Kind::nothing) return std::move(*failure);
-      if (!wait(POLLIN, deadline, wake)) return {};
-      // Another socket was readable, or this one is: the next read tells.
-      failure = fill();
-      if (failure) return std::move(*failure);
+    if (std::optional<RtspInput> input = parseBuffered(false)) return std::move(*input);
+    std::optional<RtspInput> failure = fill();
+    if (!failure) {
+      arrival_ = Clock::now();
+    } else if (failure->kind == RtspInput::Kind::nothing) {
+      const Clock::time_point until = awaits_rest_ ? std::min(deadline, arrival_ + kRestPause) : deadline;
+      if (wait(POLLIN, until, wake)) {
+        // Another socket was readable, or this one is: the next read tells.
+        failure = fill();
+        if (!failure) arrival_ = Clock::now();
+      }
+    }
+    if (failure) {
+      const bool is_over =
+          failure->kind != RtspInput::Kind::nothing || !awaits_rest_ || Clock::now() >= arrival_ + kRestPause;
+      if (awaits_rest_ && is_over) {
+        if (std::optional<RtspInput> input = parseBuffered(true)) return std::move(*input);
+      }
+      if (is_over || Clock::now() >= deadline) return std::move(*failure);
     }
     if (interrupted_) return {};
   }
@@ -152,35 +190,94 @@ std::optional<RtspInput> RtspSocket::fill() {
   return input;
 }
 
-/// Removes and returns the message or packet at the buffer's beginning, if it is complete.
-std::optional<RtspInput> RtspSocket::parseBuffered() {
-  while (begin_ < end_ && (buffer_[begin_] == '\r' || buffer_[begin_] == '\n'))
-    ++begin_;  // empty lines between messages (RFC 2326, 4.1)
-  const std::size_t size = end_ - begin_;
-  if (size == 0) return std::nullopt;
-  const std::uint8_t* data = buffer_.data() + begin_;
-  if (data[0] == '$') {
-    if (size < kInterleavedHeader) return std::nullopt;
-    const std::size_t length = static_cast<std::size_t>(data[2]) << 8 | data[3];
-    if (size < kInterleavedHeader + length) return std::nullopt;
-    begin_ += kInterleavedHeader + length;
-    RtspInput input;
-    input.kind = RtspInput::Kind::interleaved;
-    input.channel = data[1];
-    input.data = {data + kInterleavedHeader, length};
-    return input;
+/// What the bytes at a place of the connection are the beginning of.
+RtspSocket::Beginning RtspSocket::beginningOf(std::string_view text) const {
+  if (text[0] == '$') return beginningOfPacket(text);
+  constexpr std::string_view kResponse = "RTSP/";
+  const std::string_view prefix = text.substr(0, kResponse.size());
+  if (kResponse.starts_with(prefix))
+    return prefix.size() == kResponse.size() ? Beginning::message : Beginning::unknown;
+  // A request: a method in capitals, and the version at the end of its line.
+  const std::string_view line = text.substr(0, std::min(text.find('\n'), kMaxRequestLine));
+  const std::size_t method = std::min(line.find(' '), line.size());
+  const auto is_of_method = [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; };
+  if (method > kMaxMethod ||
+      !std::all_of(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(method), is_of_method))
+    return Beginning::nothing;
+  if (line.size() < text.size())
+    return line.find(" RTSP/") != std::string_view::npos ? Beginning::message : Beginning::nothing;
+  return Beginning::unknown;
+}
+
+/// As beginningOf, of a '$'. A packet that is not RTP or RTCP by its version, and one after bytes that are no
+/// packet, must be followed by a packet or message: a '$' may stand among such bytes.
+RtspSocket::Beginning RtspSocket::beginningOfPacket(std::string_view text) const {
+  if (text.size() < kInterleavedHeader) return Beginning::unknown;
+  const auto byte = [&](std::size_t at) { return static_cast<std::uint8_t>(text[at]); };
+  const std::size_t size = kInterleavedHeader + (static_cast<std::size_t>(byte(2)) << 8 | byte(3));
+  if (size > kInterleavedHeader && text.size() == kInterleavedHeader) return Beginning::unknown;
+  constexpr int kRtpVersion = 2;
+  const bool is_rtp = size > kInterleavedHeader && byte(kInterleavedHeader) >> 6 == kRtpVersion;
+  if (skipped_since_ == 0 && is_rtp) return text.size() < size ? Beginning::unknown : Beginning::packet;
+  if (skipped_since_ > 0 && !(is_rtp && channels_[byte(1)])) return Beginning::nothing;
+  if (text.size() < size) return Beginning::unknown;
+  constexpr std::string_view kNext =
+      "$RAOGSPT\r\n";  // packets, responses, the server's requests, empty lines
+  const bool is_followed = text.size() == size || kNext.find(text[size]) != std::string_view::npos;
+  return is_followed ? Beginning::packet : Beginning::nothing;
+}
+
+/// Removes and returns the message or packet at the buffer's beginning, if it is complete. Leaves out bytes
+/// that belong to neither: cameras whose connection was congested write parts of packets twice. `at_rest`:
+/// nothing more is expected at present.
+std::optional<RtspInput> RtspSocket::parseBuffered(bool at_rest) {
+  awaits_rest_ = false;
+  for (;;) {
+    while (begin_ < end_ && (buffer_[begin_] == '\r' || buffer_[begin_] == '\n'))
+      ++begin_;  // empty lines between messages (RFC 2326, 4.1)
+    if (begin_ == end_) return std::nullopt;
+    const std::string_view text(reinterpret_cast<const char*>(buffer_.data() + begin_), end_ - begin_);
+    if (!speaks_rtsp_ && text[0] != '$') return parseFirst(text, at_rest);
+    const Beginning beginning = beginningOf(text);
+    if (beginning == Beginning::unknown) return std::nullopt;
+    if (beginning == Beginning::packet) return takePacket();
+    if (beginning == Beginning::message) {
+      const std::optional<std::size_t> head = headSize(text.substr(0, kMaxRtspHead));
+      if (head) return parseMessage(text, *head, at_rest);
+      if (text.size() < kMaxRtspHead) return std::nullopt;
+    }
+    if (skipped_since_ == 0) ++skips_;
+    ++begin_;
+    ++skipped_bytes_;
+    if (++skipped_since_ > kMaxSkipped) {
+      return invalid("sent " + std::to_string(kMaxSkipped) +
+                     " bytes in a row that are neither RTSP messages nor interleaved packets");
+    }
   }
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const bool may_be_rtsp = data[0] >= 'A' && data[0] <= 'Z';
+}
+
+/// Parses the server's first message, which tells whether it speaks RTSP.
+std::optional<RtspInput> RtspSocket::parseFirst(std::string_view text, bool at_rest) {
+  const bool may_be_rtsp = text[0] >= 'A' && text[0] <= 'Z';
   const std::optional<std::size_t> head = headSize(text.substr(0, kMaxRtspHead));
-  if (head && may_be_rtsp) {
-    RtspInput input = parseMessage(text, *head);
-    if (input.kind == RtspInput::Kind::nothing) return std::nullopt;
-    return input;
-  }
-  if (may_be_rtsp && size < kMaxRtspHead) return std::nullopt;
+  if (head && may_be_rtsp) return parseMessage(text, *head, at_rest);
+  if (may_be_rtsp && text.size() < kMaxRtspHead) return std::nullopt;
   if (!may_be_rtsp || !text.starts_with("RTSP/")) return notRtsp(text);
   return invalid("sent more than " + std::to_string(kMaxRtspHead) + " bytes of headers");
+}
+
+/// Removes and returns the complete packet at the buffer's beginning.
+RtspInput RtspSocket::takePacket() {
+  const std::uint8_t* data = buffer_.data() + begin_;
+  const std::size_t length = static_cast<std::size_t>(data[2]) << 8 | data[3];
+  begin_ += kInterleavedHeader + length;
+  skipped_since_ = 0;
+  channels_.set(data[1]);
+  RtspInput input;
+  input.kind = RtspInput::Kind::interleaved;
+  input.channel = data[1];
+  input.data = {data + kInterleavedHeader, length};
+  return input;
 }
 
 /// For a server that does not speak RTSP: what it has sent.
@@ -192,22 +289,33 @@ RtspInput RtspSocket::notRtsp(std::string_view text) const {
   return invalid("sent what is not RTSP: '" + line + "'");
 }
 
-/// Parses a message whose head is complete; Kind::nothing while its body is not.
-RtspInput RtspSocket::parseMessage(std::string_view text, std::size_t head_size) {
+/// Parses a message whose head is complete; nothing while its body is not.
+std::optional<RtspInput> RtspSocket::parseMessage(std::string_view text, std::size_t head_size,
+                                                  bool at_rest) {
   std::optional<RtspHead> head = parseRtspHead(text.substr(0, head_size));
   if (!head) return notRtsp(text);
-  const std::size_t body_size = head->number("content-length").value_or(0);
-  if (body_size > kMaxRtspBody) {
-    return invalid("announces an answer of " + std::to_string(body_size) + " bytes; at most " +
+  const std::optional<std::size_t> stated = head->number("content-length");
+  if (stated.value_or(0) > kMaxRtspBody) {
+    return invalid("announces an answer of " + std::to_string(*stated) + " bytes; at most " +
                    std::to_string(kMaxRtspBody) + " are accepted");
   }
-  if (text.size() < head_size + body_size) return {};
+  const std::string_view rest = text.substr(head_size);
+  std::size_t body_size = stated.value_or(0);
+  if (isDescription(*head, rest) && !isWholeDescription(rest, stated)) {
+    // Its length is missing or wrong: it ends where a message begins, or where nothing more comes.
+    awaits_rest_ = !at_rest;
+    if (!at_rest) return std::nullopt;
+    body_size = std::min({rest.size(), rest.find("RTSP/1."), kMaxRtspBody});
+  }
+  if (rest.size() < body_size) return std::nullopt;
   begin_ += head_size + body_size;
+  skipped_since_ = 0;
+  speaks_rtsp_ = true;
   RtspInput input;
   input.kind = RtspInput::Kind::message;
   input.head = std::move(*head);
   if (!quotes_) input.head.reason.clear();
-  input.body = text.substr(head_size, body_size);
+  input.body = rest.substr(0, body_size);
   return input;
 }
 

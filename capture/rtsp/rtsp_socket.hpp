@@ -1,15 +1,18 @@
 #pragma once
 
 #include <atomic>
+#include <bitset>
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <sys/socket.h>
 
+#include "capture/rtsp/name_resolver.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "capture/rtsp/timed_receiver.hpp"
@@ -33,7 +36,9 @@ struct RtspInput {
   std::string reason;
 };
 
-/// TCP connection to an RTSP server. Calls return at their deadline, and within 0.1 s after an interruption.
+/// TCP connection to an RTSP server. As players do, it goes on after bytes that belong to no packet, and
+/// reads a session description whose Content-Length is missing or wrong. Calls return at their deadline, and
+/// within 0.1 s after an interruption.
 class RtspSocket {
  public:
   using Clock = std::chrono::steady_clock;
@@ -62,12 +67,23 @@ class RtspSocket {
   /// Arrival of the last part of what was received last, by the host's clock.
   std::int64_t arrivalNs() const { return receiver_.arrivalNs(); }
 
+  /// Times that bytes were left out because they belong to no message and no packet, and their number in
+  /// total.
+  std::uint64_t skips() const { return skips_; }
+  std::uint64_t skippedBytes() const { return skipped_bytes_; }
+
   /// Address of the server, if connected.
   const sockaddr_storage& peer() const { return peer_; }
 
  private:
-  std::optional<RtspInput> parseBuffered();
-  RtspInput parseMessage(std::string_view text, std::size_t head_size);
+  int connectTo(const ServerAddress& address, Clock::time_point deadline);
+  enum class Beginning : std::uint8_t { nothing, unknown, message, packet };
+  Beginning beginningOf(std::string_view text) const;
+  Beginning beginningOfPacket(std::string_view text) const;
+  std::optional<RtspInput> parseBuffered(bool at_rest);
+  std::optional<RtspInput> parseFirst(std::string_view text, bool at_rest);
+  std::optional<RtspInput> parseMessage(std::string_view text, std::size_t head_size, bool at_rest);
+  RtspInput takePacket();
   RtspInput notRtsp(std::string_view text) const;
   std::optional<RtspInput> fill();
   bool wait(int events, Clock::time_point deadline, std::span<const int> wake) const;
@@ -81,6 +97,13 @@ class RtspSocket {
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  ///< of the data in the buffer that are not yet parsed
   std::size_t end_ = 0;
+  std::bitset<256> channels_;        ///< on which packets have come
+  bool speaks_rtsp_ = false;         ///< a message has come
+  bool awaits_rest_ = false;         ///< of a description whose length is missing or wrong
+  Clock::time_point arrival_{};      ///< of the last data
+  std::size_t skipped_since_ = 0;    ///< bytes left out since the last packet or message
+  std::uint64_t skips_ = 0;          ///< times that bytes were left out
+  std::uint64_t skipped_bytes_ = 0;  ///< left out in total
 };
 
 }  // namespace cartvo::capture

@@ -18,6 +18,22 @@ bool hasScheme(std::string_view url, std::string_view scheme) {
   return url.size() >= scheme.size() && lowerCase(url.substr(0, scheme.size())) == scheme;
 }
 
+std::string_view withoutZone(std::string_view host) {
+  return host.substr(0, host.find('%'));
+}
+
+/// The host in lower case, with a zone as RFC 6874 writes it ("fe80::1%25eth0") or with a plain "%". Names of
+/// interfaces keep their case.
+std::string normalisedHost(std::string_view host) {
+  constexpr std::string_view kEscapedPercent = "%25";
+  const std::string_view address = withoutZone(host);
+  std::string_view zone = host.substr(address.size());
+  if (zone.empty()) return lowerCase(address);
+  const bool is_escaped = zone.size() > kEscapedPercent.size() && zone.starts_with(kEscapedPercent);
+  zone.remove_prefix(is_escaped ? kEscapedPercent.size() : 1);
+  return lowerCase(address).append(1, '%').append(zone);
+}
+
 bool isPort(std::string_view text) {
   return !text.empty() && text.size() <= 5 &&
          std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; }) &&
@@ -50,6 +66,10 @@ void checkRtspUrl(const std::string& url) {
   }
   const RtspUrl parts = parseRtspUrl(url);
   if (parts.host.empty()) throw std::invalid_argument("a camera's URL must contain a host after rtsp://");
+  if (host.front() != '[' && std::count(host.begin(), host.end(), ':') > 1) {
+    throw std::invalid_argument(
+        "a camera's URL must have its IPv6 address in brackets, as in rtsp://[fe80::64%25eth1]:554/1");
+  }
   if (!isPort(parts.port))
     throw std::invalid_argument("a camera's URL must have a port between 1 and 65535 after the host's colon");
 }
@@ -61,9 +81,22 @@ RtspUrl parseRtspUrl(const std::string& url) {
   const std::size_t bracket = text.find(']');
   const std::size_t colon = text.find(':', bracket == std::string::npos ? 0 : bracket);
   parts.port = colon == std::string::npos ? std::string(kDefaultPort) : text.substr(colon + 1);
-  parts.host = lowerCase(bracket != std::string::npos && text.front() == '[' ? text.substr(1, bracket - 1)
-                                                                             : text.substr(0, colon));
+  parts.host =
+      normalisedHost(bracket != std::string::npos && text.front() == '[' ? text.substr(1, bracket - 1)
+                                                                         : text.substr(0, colon));
   return parts;
+}
+
+bool RtspUrl::hasSameServer(const RtspUrl& other) const {
+  return withoutZone(host) == withoutZone(other.host) && port == other.port;
+}
+
+std::string urlForServer(const std::string& url) {
+  const std::string authority = rtspHost(url);
+  const std::size_t zone = authority.find('%');
+  const std::size_t bracket = authority.find(']');
+  if (zone == std::string::npos || bracket == std::string::npos || zone > bracket) return url;
+  return std::string(url).erase(url.find(authority, kScheme.size()) + zone, bracket - zone);
 }
 
 std::string rtspHost(const std::string& url) {

@@ -18,15 +18,21 @@ namespace cartvo::capture {
 namespace {
 
 constexpr std::size_t kMaxOffered = 8;
+constexpr std::size_t kMaxPayloads = 16;              ///< of one media section
 constexpr std::size_t kMaxParameterSets = 16U << 10;  // bytes, in base64
 
-/// One media section: its first payload type and the attributes that matter.
+/// One payload type of a media section.
+struct Payload {
+  int type = -1;
+  std::string encoding;  ///< in capitals
+  std::string parameters;
+};
+
+/// One media section: its payload types and the attributes that matter.
 struct Media {
   bool is_video = false;
   bool is_encrypted = false;
-  int payload_type = -1;
-  std::string encoding;  ///< of the payload type, in capitals
-  std::string parameters;
+  std::vector<Payload> payloads;
   std::string control;
 };
 
@@ -36,6 +42,14 @@ std::string_view take(std::string_view& text, char separator) {
   const std::string_view part = text.substr(0, end);
   text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   return trimmed(part);
+}
+
+/// Removes and returns a line, which ends with CR LF, or with one of them.
+std::string_view takeDescriptionLine(std::string_view& text) {
+  const std::size_t end = text.find_first_of("\r\n");
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return trimmed(line);
 }
 
 int number(std::string_view text) {
@@ -86,30 +100,59 @@ void takeAttribute(std::string_view attribute, Media& media) {
   }
   if (name != "RTPMAP" && name != "FMTP") return;
   attribute = trimmed(attribute);
-  if (number(take(attribute, ' ')) != media.payload_type) return;
+  const int type = number(take(attribute, ' '));
+  const auto payload = std::find_if(media.payloads.begin(), media.payloads.end(),
+                                    [type](const Payload& one) { return one.type == type; });
+  if (payload == media.payloads.end()) return;
+  attribute = trimmed(attribute);
   if (name == "FMTP") {
-    media.parameters = trimmed(attribute);
+    payload->parameters = attribute;
   } else {
-    attribute = trimmed(attribute);
-    media.encoding = upperCase(take(attribute, '/'));
+    payload->encoding = upperCase(take(attribute, '/'));
   }
 }
 
-/// Begins a section from the value of its "m=" line: "video 0 RTP/AVP 96".
+/// Begins a section from the value of its "m=" line: "video 0 RTP/AVP 96 97".
 Media beginMedia(std::string_view value) {
   Media media;
   media.is_video = upperCase(take(value, ' ')) == "VIDEO";
   take(value, ' ');  // port
   media.is_encrypted = upperCase(take(value, ' ')).find("/SAVP") != std::string::npos;
-  media.payload_type = number(take(value, ' '));
-  if (media.payload_type == 26) media.encoding = "JPEG";  // static payload types, RFC 3551, 6
+  while (!value.empty() && media.payloads.size() < kMaxPayloads) {
+    Payload payload;
+    payload.type = number(take(value, ' '));
+    if (payload.type == 26) payload.encoding = "JPEG";  // static payload types, RFC 3551, 6
+    if (payload.type >= 0) media.payloads.push_back(payload);
+  }
   return media;
 }
 
-std::optional<VideoCodec> codecOf(const Media& media) {
-  if (!media.is_video) return std::nullopt;
-  if (media.encoding == "H264") return VideoCodec::h264;
-  if (media.encoding == "H265" || media.encoding == "HEVC") return VideoCodec::h265;
+/// The codec of a payload type: as named, or by its parameter sets if it has no name.
+std::optional<VideoCodec> codecOf(const Payload& payload) {
+  if (payload.encoding == "H264") return VideoCodec::h264;
+  if (payload.encoding == "H265" || payload.encoding == "HEVC") return VideoCodec::h265;
+  if (!payload.encoding.empty()) return std::nullopt;
+  const std::string parameters = upperCase(payload.parameters);
+  if (parameters.find("SPROP-PARAMETER-SETS") != std::string::npos) return VideoCodec::h264;
+  if (parameters.find("SPROP-VPS") != std::string::npos) return VideoCodec::h265;
+  return std::nullopt;
+}
+
+/// The first H.264 or H.265 payload type of the sections with or without encryption.
+std::optional<VideoDescription> videoOf(const std::vector<Media>& sections, bool is_encrypted,
+                                        const std::string& session_control) {
+  for (const Media& media : sections) {
+    if (!media.is_video || media.is_encrypted != is_encrypted) continue;
+    for (const Payload& payload : media.payloads) {
+      const std::optional<VideoCodec> codec = codecOf(payload);
+      if (!codec) continue;
+      return VideoDescription{{*codec, parameterSetsOf(payload.parameters)},
+                              payload.type,
+                              media.control,
+                              session_control,
+                              is_encrypted};
+    }
+  }
   return std::nullopt;
 }
 
@@ -120,7 +163,7 @@ std::optional<VideoDescription> describedVideo(std::string_view description, std
   std::string session_control;
   std::vector<Media> sections;
   while (!description.empty()) {
-    const std::string_view line = take(description, '\n');
+    const std::string_view line = takeDescriptionLine(description);
     if (line.size() < 2 || line[1] != '=') continue;
     const std::string_view value = line.substr(2);
     if (line[0] == 'm') {
@@ -134,19 +177,14 @@ std::optional<VideoDescription> describedVideo(std::string_view description, std
     }
   }
   for (const bool is_encrypted : {false, true}) {
-    for (const Media& media : sections) {
-      const std::optional<VideoCodec> codec = codecOf(media);
-      if (!codec || media.is_encrypted != is_encrypted) continue;
-      return VideoDescription{{*codec, parameterSetsOf(media.parameters)},
-                              media.payload_type,
-                              media.control,
-                              session_control,
-                              is_encrypted};
-    }
+    if (auto video = videoOf(sections, is_encrypted, session_control)) return video;
   }
-  for (std::size_t i = 0; i < std::min(sections.size(), kMaxOffered); ++i) {
-    const std::string name = quotedForMessage(sections[i].encoding);
-    if (!name.empty()) offered += (offered.empty() ? "" : ", ") + name;
+  std::size_t names = 0;
+  for (const Media& media : sections) {
+    for (const Payload& payload : media.payloads) {
+      const std::string name = quotedForMessage(payload.encoding);
+      if (!name.empty() && names++ < kMaxOffered) offered += (offered.empty() ? "" : ", ") + name;
+    }
   }
   return std::nullopt;
 }

@@ -10,10 +10,13 @@
 #include <netinet/in.h>
 #include <unistd.h>
 
+#include "capture/rtsp/name_resolver.hpp"
+
 namespace cartvo::capture {
 namespace {
 
 constexpr int kAttempts = 64;
+constexpr int kMaxForeign = 64;          ///< packets of other computers in a row
 constexpr int kReceiveBuffer = 2 << 20;  ///< bytes; the kernel may grant less
 constexpr std::uint16_t kFirstPort = 20000;
 constexpr std::uint16_t kLastPort = 60000;
@@ -95,7 +98,7 @@ void UdpPorts::setPeer(const sockaddr_storage& host, std::uint16_t rtp) {
 }
 
 std::optional<std::span<const std::uint8_t>> UdpPorts::receive(std::size_t which) {
-  for (;;) {
+  for (int i = 0; i < kMaxForeign; ++i) {
     sockaddr_storage from{};
     const ssize_t length = receivers_[which].receive(descriptors_[which], buffer_, &from);
     if (length < 0 && errno == EINTR) continue;
@@ -103,7 +106,14 @@ std::optional<std::span<const std::uint8_t>> UdpPorts::receive(std::size_t which
     const bool from_port = peer_port_ != 0 && portOf(from) == peer_port_ + which;
     if (peer_ && (from_port || hasSameHost(from, *peer_)))
       return std::span<const std::uint8_t>(buffer_.data(), static_cast<std::size_t>(length));
+    ++foreign_;
+    foreign_address_ = from;
   }
+  return std::nullopt;
+}
+
+std::string UdpPorts::foreignAddress() const {
+  return ServerAddress{foreign_address_, sizeOf(foreign_address_)}.text();
 }
 
 void UdpPorts::send(std::size_t which, std::span<const std::uint8_t> packet) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include <sys/socket.h>
 
@@ -35,6 +36,10 @@ class UdpPorts {
   /// Arrival of the RTP packet received last, by the host's clock.
   std::int64_t arrivalNs() const { return receivers_[0].arrivalNs(); }
 
+  /// Number of packets from other computers, which were left out, and the address of the last one.
+  std::uint64_t foreign() const { return foreign_; }
+  std::string foreignAddress() const;
+
   void sendRtcp(std::span<const std::uint8_t> packet) { send(1, packet); }
 
  private:
@@ -47,6 +52,8 @@ class UdpPorts {
   std::uint16_t port_ = 0;
   std::optional<sockaddr_storage> peer_;
   std::uint16_t peer_port_ = 0;
+  std::uint64_t foreign_ = 0;
+  sockaddr_storage foreign_address_{};
   std::array<std::uint8_t, 65536> buffer_{};
 };
 

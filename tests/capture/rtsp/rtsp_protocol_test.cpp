@@ -1,5 +1,8 @@
 // Parsing of RTSP messages, challenges and session descriptions, and order of RTP packets.
 
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -7,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/rtsp/digest_authentication.hpp"
+#include "capture/rtsp/name_resolver.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
 #include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
@@ -102,6 +106,39 @@ TEST(RtspMessage, ParsesResponsesAndRequests) {
   EXPECT_EQ(large->number("content-length"), static_cast<std::size_t>(-1));
 }
 
+TEST(RtspUrl, TakesZonesInBothSpellings) {
+  for (const char* url : {"rtsp://[FE80::64%25enP1]:99/1", "rtsp://[fe80::64%enP1]:99/1"}) {
+    EXPECT_NO_THROW(checkRtspUrl(url));
+    EXPECT_EQ(parseRtspUrl(url).host, "fe80::64%enP1");
+    EXPECT_EQ(parseRtspUrl(url).port, "99");
+    EXPECT_THAT(urlForServer(url), testing::MatchesRegex("rtsp://\\[(FE|fe)80::64\\]:99/1"));
+    EXPECT_TRUE(parseRtspUrl(url).hasSameServer(parseRtspUrl("rtsp://[fe80::64]:99/2")));
+  }
+  EXPECT_EQ(urlForServer("rtsp://camera/a%20b?c=[d]"), "rtsp://camera/a%20b?c=[d]");
+  EXPECT_THROW(checkRtspUrl("rtsp://fe80::64%eth1/1"), std::invalid_argument) << "no brackets";
+}
+
+TEST(NameResolver, TakesAddressesAndNamesWhatIsWrong) {
+  const std::atomic<bool> interrupted = false;
+  const auto soon = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  EXPECT_EQ(resolveName("192.0.2.1", "554", soon, interrupted).addresses.at(0).text(), "192.0.2.1");
+  EXPECT_EQ(resolveName("fe80::1%lo", "554", soon, interrupted).addresses.at(0).text(), "fe80::1%lo");
+  EXPECT_THAT(resolveName("fe80::1", "554", soon, interrupted).error, HasSubstr("needs the interface"));
+  EXPECT_THAT(resolveName("fe80::1%none", "554", soon, interrupted).error,
+              HasSubstr("no network interface of this computer"));
+  EXPECT_THAT(resolveName("camera.invalid", "554", soon, interrupted).error, HasSubstr("'camera.invalid'"));
+}
+
+TEST(NameResolver, ReturnsAtTheDeadlineAndWhenInterrupted) {
+  const auto past = std::chrono::steady_clock::now();
+  std::atomic<bool> interrupted = false;
+  EXPECT_THAT(resolveName("late.invalid", "554", past, interrupted).error,
+              HasSubstr("the name 'late.invalid' was not resolved within"));
+  interrupted = true;
+  const auto later = past + std::chrono::hours(1);
+  EXPECT_FALSE(resolveName("interrupted.invalid", "554", later, interrupted).error.empty());
+}
+
 TEST(RtspUrl, IgnoresCaseAndSplitsAddresses) {
   EXPECT_NO_THROW(checkRtspUrl("RTSP://Camera:8554/a"));
   EXPECT_TRUE(parseRtspUrl("RTSP://Camera/a").hasSameServer(parseRtspUrl("rtsp://camera:554/b?c")));
@@ -152,6 +189,23 @@ TEST(SessionDescription, ReadsParameterSetsHoweverTheyArePadded) {
     ASSERT_TRUE(video) << padding;
     EXPECT_EQ(video->format.parameter_sets.size(), 4U + 4U + 4U + 10U) << padding;
   }
+}
+
+TEST(SessionDescription, TakesEachPayloadTypeAndLineEnd) {
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    std::string text;
+    for (const char* line :
+         {"m=video 0 RTP/AVP 26 97 98", "a=rtpmap:97 H264/90000", "a=fmtp:97 x=y", "a=control:t"})
+      text.append(line).append(end);
+    std::string offered;
+    const auto video = describedVideo(text, offered);
+    ASSERT_TRUE(video);
+    EXPECT_EQ(video->payload_type, 97);
+    EXPECT_EQ(video->control, "t");
+  }
+  std::string offered;
+  EXPECT_TRUE(describedVideo("m=video 0 RTP/AVP 96\na=fmtp:96 sprop-parameter-sets=aM48gA==\n", offered))
+      << "no rtpmap";
 }
 
 TEST(SessionDescription, PrefersVideoWithoutEncryption) {
@@ -223,9 +277,31 @@ TEST(RtpSequencer, WaitsForAMissingPacketNoLongerThanItsPatience) {
 
 TEST(RtpSequencer, FollowsANewSequenceAndANewSender) {
   RtpSequencer tcp(0, 0);
-  EXPECT_EQ(sequenced(tcp, {1, 2, 30000, 3}), " 1 2 3") << "one stray number";
-  EXPECT_EQ(sequenced(tcp, {30000, 30001, 30002}), " 30001! 30002");
-  EXPECT_EQ(sequenced(tcp, {7, 8}, 2), " 7! 8");
+  EXPECT_EQ(sequenced(tcp, {1, 2, 30000, 30001, 3, 4, 0, 1}), " 1 2 30000 30001 3 4 0 1")
+      << "the order of arrival";
+  EXPECT_EQ(sequenced(tcp, {7, 8}, 2), " 7 8");
+  RtpSequencer udp(4, 100'000'000);
+  EXPECT_EQ(sequenced(udp, {1, 2, 30000, 3}), " 1 2 3") << "one stray number";
+  EXPECT_EQ(udp.leftOut(), 1U);
+  EXPECT_EQ(sequenced(udp, {30000, 30001, 30002}), " 30001! 30002");
+  EXPECT_EQ(sequenced(udp, {7, 8}, 2), " 7! 8");
+}
+
+TEST(RtpSequencer, IgnoresGapsOverTcpThatAreAHabit) {
+  RtpSequencer by_twos(0, 0);
+  std::string out;
+  for (unsigned i = 0; i < 40; ++i)
+    out = sequenced(by_twos, {2 * i});
+  EXPECT_EQ(out, " 78") << "without a loss";
+  EXPECT_LT(by_twos.lost(), 12U);
+  RtpSequencer lossy(0, 0);
+  for (unsigned i = 0; i < 400; ++i) {
+    if (i % 20 != 7) out = sequenced(lossy, {i});
+    if (i % 20 == 8) {
+      EXPECT_THAT(out, HasSubstr("!"));
+    }
+  }
+  EXPECT_EQ(lossy.lost(), 20U);
 }
 
 TEST(RtpPacket, ParsesHeadersAndRefusesMalformedOnes) {
@@ -250,12 +326,14 @@ TEST(RtcpPacket, ReadsSenderReportsAndGoodbyes) {
                                      0x80, 0,   0, 0, 0,    0,   0, 9, 0,    0,    0,    0,
                                      0,    0,   0, 0, 0x81, 203, 0, 1, 0,    0,    0,    7};
   const RtcpContent content = parseRtcp(bytes);
-  ASSERT_TRUE(content.report);
-  EXPECT_EQ(content.report->instant_us, 1'500'000);  // 1.5 s after 1970 began
-  EXPECT_EQ(content.report->timestamp, 9U);
-  EXPECT_EQ(content.report->ntp_middle, 0x7e818000U);
+  ASSERT_EQ(content.reports.size(), 1U);
+  EXPECT_EQ(content.reports[0].instant_us, 1'500'000);  // 1.5 s after 1970 began
+  EXPECT_EQ(content.reports[0].timestamp, 9U);
+  EXPECT_EQ(content.reports[0].ntp_middle, 0x7e818000U);
   EXPECT_EQ(content.ended_source, 7U);
-  EXPECT_FALSE(parseRtcp(std::span(bytes).first(20)).report);
+  EXPECT_THAT(parseRtcp(std::span(bytes).first(20)).reports, testing::IsEmpty());
+  EXPECT_TRUE(isRtcp(bytes));
+  EXPECT_FALSE(isRtcp(rtp(1)));
   const auto report = receiverReportPacket({1, 7, 3, 70000, 5, 6});
   EXPECT_EQ(report.size() % 4, 0U);
   EXPECT_EQ(report[1], 201);

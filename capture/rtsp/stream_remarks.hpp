@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace cartvo::capture {
+
+/// Counters of everything that a camera sends and that is left out, for health and messages.
+class StreamRemarks {
+ public:
+  enum class Kind : std::uint8_t {
+    stray_bytes,   ///< between the interleaved packets; detail: none
+    malformed,     ///< packets that are no RTP or RTCP
+    payload_type,  ///< packets of another payload type; detail: the types
+    channel,       ///< packets on other interleaved channels; detail: the channel
+    host,          ///< UDP packets of another computer; detail: its address
+    structure,     ///< RTP payloads of a structure that is not supported; detail: its type
+    report,        ///< sender reports that do not belong to the pictures; detail: why
+    late,          ///< UDP packets that came too late or twice
+    overflow,      ///< frames that were not read in time
+  };
+  static constexpr std::size_t kKinds = 9;
+
+  /// Counts up to a total. `detail`: of the latest one.
+  void setTotal(Kind kind, std::uint64_t total, std::string_view detail = {});
+  void add(Kind kind, std::string_view detail = {}) { setTotal(kind, count(kind) + 1, detail); }
+
+  std::uint64_t count(Kind kind) const { return entries_[static_cast<std::size_t>(kind)].count; }
+
+  /// Names what was left out, with the order of its number, so that the text seldom changes: "packets on
+  /// channel 2 (100 or more)"; empty if nothing was. Single late packets are normal and not named.
+  const std::string& text() const { return text_; }
+
+  /// The part of the text about one kind.
+  std::string text(Kind kind) const;
+
+ private:
+  struct Entry {
+    std::uint64_t count = 0;
+    std::uint64_t named = 0;  ///< the power of ten that the text names; 0: none
+    std::string detail;
+  };
+
+  std::array<Entry, kKinds> entries_{};
+  std::string text_;
+};
+
+}  // namespace cartvo::capture

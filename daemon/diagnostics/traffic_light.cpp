@@ -28,8 +28,9 @@ TrafficLight cameraLight(const health_t& health) {
   return {Light::no_camera, fmt::format("{} {}{}", name, state, error), "camera " + state};
 }
 
-/// The first reason, with its sentence.
+/// The first reason, with its sentence. Where another one says why there is no pair, that one.
 TrafficLight reasonLight(std::int32_t reasons) {
+  if (reasons != odometry_t::REASON_NO_PAIR) reasons &= ~odometry_t::REASON_NO_PAIR;
   for (const vo::OdometryReasonText& text : vo::kOdometryReasons) {
     if ((reasons & static_cast<std::int32_t>(text.reason)) == 0) continue;
     std::string sentence = text.sentence;

@@ -40,7 +40,7 @@ TrafficLight reasonLight(std::int32_t reasons) {
   return {Light::invalid, "no odometry message yet", "no messages"};
 }
 
-/// What is to be fixed while odometry is valid.
+/// Names the problem to be fixed while odometry is valid.
 TrafficLight validLight(const DaemonState& state) {
   const bool is_lost_pair = state.last_valid != state.last_message;  // its reasons tell nothing
   const bool is_standing = is_lost_pair ? state.health.odometry_state == health_t::STANDSTILL

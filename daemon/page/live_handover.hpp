@@ -26,7 +26,7 @@ struct PageSnapshot {
   std::int64_t sequence = 0;  ///< of the pair's message
 };
 
-/// What a camera delivers, whether or not the other one does.
+/// Newest picture and age of one camera, whether or not the other one delivers.
 struct CameraView {
   cv::Mat picture;   ///< a copy of a raw picture; empty: no newer one
   double age = 0.0;  ///< of the newest frame, s; NaN: none since the start

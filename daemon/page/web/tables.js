@@ -123,7 +123,7 @@ export function programRows(health) {
   ];
 }
 
-/** What else the operator should know, beside the cause that is shown. The table of the cameras has their errors. */
+/** Other texts for the operator, beside the cause that is shown. The table of the cameras has their errors. */
 export function sentences(health, cause) {
   const errors = [health.left.last_error, health.right.last_error].filter((error) => error !== '');
   const isShown = (text) => cause.includes(text) || errors.some((error) => text.endsWith(error));

@@ -82,6 +82,7 @@ void StatusPage::updateHealth() {
 /// this thread writes what it writes.
 void StatusPage::addPictures() {
   const Clock::time_point now = Clock::now();
+  const bool is_unpaired = (history_.newest().reasons() & odometry_t::REASON_NO_PAIR) != 0;
   bool has_new = false;
   for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
     CameraView camera = handover_.takeCamera(side, now);
@@ -96,7 +97,7 @@ void StatusPage::addPictures() {
     pictures_ = encodePictures(snapshot->view.left, snapshot->view.right);
     pictures_json_ = picturesJson(pictures_, snapshot->view, snapshot->sequence);
     handover_.recycle(std::move(snapshot));
-  } else if (has_new && now - last_pair_ > kLongestPairPeriod) {
+  } else if (has_new && is_unpaired && now - last_pair_ > kLongestPairPeriod) {
     pictures_ = encodePictures(camera_pictures_[0], camera_pictures_[1]);
     pictures_json_ = unpairedJson(pictures_);
   } else {

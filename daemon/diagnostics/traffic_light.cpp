@@ -11,15 +11,15 @@
 namespace cartvo::daemon {
 namespace {
 
-constexpr std::chrono::seconds kLongestSilence{3};
+constexpr std::chrono::seconds kSilence{3};
 constexpr std::chrono::milliseconds kLostPair{300};  // one lost pair is not a fault
 
-bool delivers(const camera_health_t& camera) {
+bool deliversPictures(const camera_health_t& camera) {
   return camera.state == camera_health_t::STREAMING || camera.state == camera_health_t::FROZEN;
 }
 
 TrafficLight cameraLight(const health_t& health) {
-  const bool is_left = !delivers(health.left), is_right = !delivers(health.right);
+  const bool is_left = !deliversPictures(health.left), is_right = !deliversPictures(health.right);
   const camera_health_t& camera =
       is_left && (!is_right || !health.left.last_error.empty()) ? health.left : health.right;
   const char* name = is_left && is_right ? "both cameras" : (is_left ? "left camera" : "right camera");
@@ -70,13 +70,13 @@ TrafficLight trafficLight(const DaemonState& state, DaemonState::Clock::time_poi
   const health_t& health = state.health;
   if (!state.stalled.empty())
     return {Light::invalid, "the " + state.stalled + " makes no progress; systemd restarts cartvod", ""};
-  if (now - state.last_message > kLongestSilence) {
+  if (now - state.last_message > kSilence) {
     const double silence = std::chrono::duration<double>(now - state.last_message).count();
     return {Light::invalid, fmt::format("no odometry message for {:.0f} s", silence), "no messages"};
   }
   const bool is_valid = state.last_valid == state.last_message || now - state.last_valid <= kLostPair;
   if (is_valid) return validLight(state);
-  if (!delivers(health.left) || !delivers(health.right)) return cameraLight(health);
+  if (!deliversPictures(health.left) || !deliversPictures(health.right)) return cameraLight(health);
   if (!health.problem.empty()) return {Light::invalid, health.problem, reasonLight(state.reasons).topic};
   if ((state.reasons & odometry_t::REASON_BOUND) != 0 && !health.bound_exceeded.empty())
     return {Light::invalid, health.bound_exceeded, "bound above its alert limit"};

@@ -164,7 +164,9 @@ void Pipeline::Implementation::readCamera(capture::CameraSource& source, capture
       heartbeat.beat();
       capture::Frame frame;
       outcome = source.read(frame, kReadTimeout);
-      if (outcome == capture::ReadOutcome::frame) live_.push(side, std::move(frame));
+      if (outcome != capture::ReadOutcome::frame) continue;
+      if (settings_.frame) settings_.frame(side, frame);
+      live_.push(side, std::move(frame));
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

@@ -45,6 +45,9 @@ struct PipelineSettings {
   /// Receives the odometry's estimate of the time offset after each pair, before the sink: the clock model
   /// that stamps the next frames. May be empty.
   std::function<void(const std::optional<capture::OffsetEstimate>&)> set_visual_offset{};
+  /// Receives each camera's frames before they are paired, on the thread that reads this camera (live only).
+  /// Must not wait. May be empty.
+  std::function<void(capture::CameraSide, const capture::Frame&)> frame{};
 };
 
 /// Numbers of pairs and frames since the start.

@@ -1,14 +1,17 @@
-# cmake -D FOLDER=... -D OUTPUT=... -P embed_files.cmake: writes the page's files as the C++ source of pageFiles().
+# cmake -D FOLDER=... -D HELP=FILE.md -D OUTPUT=... -P embed_files.cmake: writes the page's files, and the text of its help,
+# as the C++ source of pageFiles().
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
-file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*.html ${FOLDER}/*.css ${FOLDER}/*.js)
+set(type_md "text/plain; charset=utf-8")
+file(GLOB files ${FOLDER}/*.html ${FOLDER}/*.css ${FOLDER}/*.js)
 set(contents "")
 set(entries "")
 set(count 0)
-foreach(name ${files})
+foreach(file ${files} ${HELP})
+  get_filename_component(name ${file} NAME)
   string(REGEX REPLACE ".*\\." "" extension ${name})
-  file(READ ${FOLDER}/${name} content)
+  file(READ ${file} content)
   set(path "/${name}")
   if(name STREQUAL "index.html")
     set(path "/")

@@ -79,8 +79,9 @@ std::string healthMembers(const health_t& health) {
        {"problem", health.problem}});
 }
 
-std::string answerMembers(const HealthAnswer& answer) {
-  return members({{"healthy", answer.is_healthy}, {"line", answer.line}});
+std::string lightMembers(const TrafficLight& light) {
+  return members(
+      {{"light", {{"state", lightName(light.light)}, {"cause", light.cause}, {"topic", light.topic}}}});
 }
 
 std::string recordingMembers(const RecordingState& recording) {

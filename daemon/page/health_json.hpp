@@ -4,7 +4,7 @@
 
 #include <cartvo/health_t.hpp>
 
-#include "daemon/diagnostics/metrics.hpp"
+#include "daemon/diagnostics/traffic_light.hpp"
 
 namespace cartvo::daemon {
 
@@ -29,7 +29,8 @@ struct ReplayState {
 
 /// Numbers and sentences of the health message as JSON members, such as "pairs":42; no braces around them.
 std::string healthMembers(const health_t& health);
-std::string answerMembers(const HealthAnswer& answer);
+/// "light":{"state": lightName(), "cause": .., "topic": ..}
+std::string lightMembers(const TrafficLight& light);
 std::string recordingMembers(const RecordingState& recording);
 std::string replayMembers(const ReplayState& replay);
 

@@ -1,12 +1,13 @@
 // From the odometry's thread to the page's, without locks.
 #include "daemon/page/live_handover.hpp"
 
+#include <limits>
 #include <utility>
 
 namespace cartvo::daemon {
 namespace {
 
-constexpr std::chrono::milliseconds kViewPeriod{100};
+constexpr std::chrono::milliseconds kViewPeriod{100}, kPicturePeriod{200};
 constexpr std::chrono::nanoseconds kViewerSilence = std::chrono::seconds(2);
 
 }  // namespace
@@ -33,6 +34,23 @@ void LiveHandover::addPair(const PageSample& sample) {
   if (!std::exchange(is_filled_, false)) return;
   filling_->sequence = sample.sequence();
   filling_ = snapshots_.put(std::move(filling_));
+}
+
+void LiveHandover::addFrame(capture::CameraSide side, const cv::Mat& picture, Clock::time_point now) {
+  Camera& camera = cameras_[static_cast<std::size_t>(side)];
+  camera.last_ns = now.time_since_epoch().count();
+  if (!hasViewer(now) || now < camera.next_picture) return;
+  camera.next_picture = now + kPicturePeriod;
+  camera.picture.put(std::make_unique<cv::Mat>(picture.clone()));
+}
+
+CameraView LiveHandover::takeCamera(capture::CameraSide side, Clock::time_point now) {
+  Camera& camera = cameras_[static_cast<std::size_t>(side)];
+  const std::int64_t last = camera.last_ns;
+  const std::unique_ptr<cv::Mat> picture = camera.picture.take();
+  return {picture ? *picture : cv::Mat(),
+          last == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : std::chrono::duration<double>(now.time_since_epoch() - Clock::duration(last)).count()};
 }
 
 }  // namespace cartvo::daemon

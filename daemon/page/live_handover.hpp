@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -10,6 +11,7 @@
 
 #include <cartvo/health_t.hpp>
 
+#include "capture/camera_side.hpp"
 #include "common/threads/handover_queue.hpp"
 #include "common/threads/mailbox.hpp"
 #include "daemon/page/health_json.hpp"
@@ -24,6 +26,12 @@ struct PageSnapshot {
   std::int64_t sequence = 0;  ///< of the pair's message
 };
 
+/// Newest picture and age of one camera, whether or not the other one delivers.
+struct CameraView {
+  cv::Mat picture;   ///< a copy of a raw picture; empty: no newer one
+  double age = 0.0;  ///< of the newest frame, s; NaN: none since the start
+};
+
 /// The health message and what it does not say.
 struct PageHealth {
   health_t health{};
@@ -31,7 +39,7 @@ struct PageHealth {
   std::string stalled;
 };
 
-/// Hands what the odometry's thread knows to the page's thread. Neither waits.
+/// Hands what the odometry's and the cameras' threads know to the page's thread. None of them waits.
 class LiveHandover final : public pipeline::PairViewer {
  public:
   using Clock = std::chrono::steady_clock;
@@ -46,6 +54,11 @@ class LiveHandover final : public pipeline::PairViewer {
   void addMissedPair(const PageSample& sample) { samples_.push(sample); }
   void setHealth(PageHealth health) { health_.put(std::make_unique<PageHealth>(std::move(health))); }
 
+  // Called by the thread that reads this camera.
+
+  /// Copies five pictures a second while there are viewers.
+  void addFrame(capture::CameraSide side, const cv::Mat& picture, Clock::time_point now);
+
   // Called by the page's thread.
 
   std::optional<PageSample> nextSample() { return samples_.pop(); }
@@ -53,6 +66,7 @@ class LiveHandover final : public pipeline::PairViewer {
   /// Gives back a snapshot for its memory.
   void recycle(std::unique_ptr<PageSnapshot> snapshot) { used_.put(std::move(snapshot)); }
   std::unique_ptr<PageHealth> takeHealth() { return health_.take(); }
+  CameraView takeCamera(capture::CameraSide side, Clock::time_point now);
 
   // Called by the server's threads.
 
@@ -67,6 +81,12 @@ class LiveHandover final : public pipeline::PairViewer {
   HandoverQueue<PageSample, kQueuedSamples> samples_;
   Mailbox<PageSnapshot> snapshots_, used_;
   Mailbox<PageHealth> health_;
+  struct Camera {
+    Mailbox<cv::Mat> picture;
+    std::atomic<std::int64_t> last_ns{0};  ///< instant of the newest frame; 0: none
+    Clock::time_point next_picture{};      ///< of the thread that reads the camera
+  };
+  std::array<Camera, 2> cameras_;  ///< left and right
   std::atomic<std::int64_t> last_viewer_ns_{0};
   // Of the odometry's thread:
   std::unique_ptr<PageSnapshot> filling_;

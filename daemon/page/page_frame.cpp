@@ -42,26 +42,34 @@ std::string regionsJson(const vo::ImageRegions& regions) {
 
 }  // namespace
 
-EncodedPictures encodePictures(const pipeline::PairView& view) {
+EncodedPictures encodePictures(const cv::Mat& left, const cv::Mat& right) {
   EncodedPictures pictures;
-  if (view.left.empty() || view.left.size() != view.right.size()) return pictures;
-  while (view.left.cols > kMaxWidth * pictures.scale)
+  const cv::Size size = left.empty() ? right.size() : left.size();
+  if (size.empty()) return pictures;
+  while (size.width > kMaxWidth * pictures.scale)
     pictures.scale *= 2;
-  pictures.width = view.left.cols / pictures.scale;
-  pictures.height = view.left.rows / pictures.scale;
-  cv::Mat both(2 * pictures.height, pictures.width, CV_8UC1);
+  pictures.width = size.width / pictures.scale;
+  pictures.height = size.height / pictures.scale;
+  cv::Mat both(2 * pictures.height, pictures.width, CV_8UC1, cv::Scalar(0));
   // Whole blocks of scale x scale pixels, so that the landmarks' positions are divided by the scale.
   const cv::Rect blocks(0, 0, pictures.scale * pictures.width, pictures.scale * pictures.height);
   int row = 0;
-  for (const cv::Mat& picture : {view.left, view.right}) {
+  for (const cv::Mat& picture : {left, right}) {
     cv::Mat part = both.rowRange(row, row + pictures.height);
-    cv::resize(picture(blocks), part, part.size(), 0.0, 0.0, cv::INTER_AREA);
     row += pictures.height;
+    if (picture.empty()) continue;
+    const cv::Mat shown = picture.size() == size ? picture(blocks) : picture;
+    cv::resize(shown, part, part.size(), 0.0, 0.0, cv::INTER_AREA);
   }
   std::vector<unsigned char> jpeg;
   if (cv::imencode(".jpg", both, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality}))
     pictures.jpeg.assign(jpeg.begin(), jpeg.end());
   return pictures;
+}
+
+std::string unpairedJson(const EncodedPictures& pictures) {
+  return fmt::format(R"({{"width":{},"height":{},"scale":{},"sequence":null}})", pictures.width,
+                     pictures.height, pictures.scale);
 }
 
 std::string picturesJson(const EncodedPictures& pictures, const pipeline::PairView& view,

@@ -11,15 +11,18 @@
 namespace cartvo::daemon {
 
 /// Both pictures as one JPEG, the left above the right, each of `width` times `height` px: half the size (or
-/// a quarter) of the rectified pictures if these are wider than 960 px.
+/// a quarter) of the left one if this is wider than 960 px. A picture that is missing is black.
 struct EncodedPictures {
   std::string jpeg;  ///< empty: no pictures
   int width = 0, height = 0;
-  int scale = 1;  ///< px of the rectified picture for each px
+  int scale = 1;  ///< px of the picture for each px
 };
 
 /// Uses no threads of OpenCV, which are the odometry's.
-EncodedPictures encodePictures(const pipeline::PairView& view);
+EncodedPictures encodePictures(const cv::Mat& left, const cv::Mat& right);
+
+/// The JSON of pictures that are no pair: {"width": .., "height": .., "scale": .., "sequence": null}.
+std::string unpairedJson(const EncodedPictures& pictures);
 
 /// {"width": .., "height": .., "scale": .., "sequence": .., "stages_ms": {NAME: .., ..., "all": ..}, "still":
 /// [[x, y, width, height], ...], "landmarks": [[left x, left y, right x, right y, weight, age, inverse

@@ -8,13 +8,13 @@
 
 #include "common/host_clock.hpp"
 #include "common/threads/thread_priority.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 
 namespace cartvo::daemon {
 namespace {
 
 constexpr std::chrono::milliseconds kWatchedPeriod{40}, kUnwatchedPeriod{250};
-constexpr std::size_t kNewestSamples = 32;  // in each frame: 0.5 s of 60 Hz
+constexpr std::chrono::milliseconds kLongestPairPeriod{600};  // then each camera's own picture is shown
+constexpr std::size_t kNewestSamples = 32;                    // in each frame: 0.5 s of 60 Hz
 
 std::string sampleNames() {
   std::string json = "[";
@@ -50,7 +50,7 @@ void StatusPage::run(const std::stop_token& end) {
     const bool is_watched = handover_.hasViewer(Clock::now());
     if (is_watched && has_samples) {
       lock.unlock();
-      addSnapshot();
+      addPictures();
       lock.lock();
       renderFrame();
     }
@@ -78,21 +78,44 @@ void StatusPage::updateHealth() {
   recording_state_ = newest->recording;
 }
 
-/// Encodes the newest pictures. Without the lock: only this thread writes what it writes.
-void StatusPage::addSnapshot() {
-  std::unique_ptr<PageSnapshot> snapshot = handover_.takeSnapshot();
-  if (!snapshot) return;
-  pictures_ = encodePictures(snapshot->view);
-  pictures_json_ = picturesJson(pictures_, snapshot->view, snapshot->sequence);
-  handover_.recycle(std::move(snapshot));
+/// Encodes the newest pair, or, while none comes, the newest picture of each camera. Without the lock: only
+/// this thread writes what it writes.
+void StatusPage::addPictures() {
+  const Clock::time_point now = Clock::now();
+  const bool is_unpaired = (history_.newest().reasons() & odometry_t::REASON_NO_PAIR) != 0;
+  bool has_new = false;
+  for (const capture::CameraSide side : {capture::CameraSide::left, capture::CameraSide::right}) {
+    CameraView camera = handover_.takeCamera(side, now);
+    const auto i = static_cast<std::size_t>(side);
+    frame_ages_[i] = camera.age;
+    if (camera.picture.empty()) continue;
+    camera_pictures_[i] = std::move(camera.picture);
+    has_new = true;
+  }
+  if (std::unique_ptr<PageSnapshot> snapshot = handover_.takeSnapshot()) {
+    last_pair_ = now;
+    pictures_ = encodePictures(snapshot->view.left, snapshot->view.right);
+    pictures_json_ = picturesJson(pictures_, snapshot->view, snapshot->sequence);
+    handover_.recycle(std::move(snapshot));
+  } else if (has_new && is_unpaired && now - last_pair_ > kLongestPairPeriod) {
+    pictures_ = encodePictures(camera_pictures_[0], camera_pictures_[1]);
+    pictures_json_ = unpairedJson(pictures_);
+  } else {
+    return;
+  }
+  ++picture_number_;
 }
 
 void StatusPage::renderFrame() {
-  const PageSample& newest = history_.newest();
+  std::string ages;
+  for (const double age : frame_ages_) {
+    if (!ages.empty()) ages += ',';
+    appendNumber(age, 4, ages);
+  }
   const std::string json =
-      fmt::format(R"({{"number":{},"samples":{},"reasons":{},"pictures":{}}})", ++frame_number_,
-                  history_.newestJson(kNewestSamples),
-                  jsonText(newest.isValid() ? "" : reasonNames(newest.reasons())), pictures_json_);
+      fmt::format(R"({{"number":{},"samples":{},{},"frame_ages_s":[{}],"picture_number":{},"pictures":{}}})",
+                  ++frame_number_, history_.newestJson(kNewestSamples),
+                  lightMembers(trafficLight(state_, Clock::now())), ages, picture_number_, pictures_json_);
   frame_ = frameBytes(json, pictures_.jpeg);
 }
 
@@ -111,7 +134,7 @@ std::string StatusPage::history() {
 std::string StatusPage::health() {
   const std::lock_guard lock(mutex_);
   return fmt::format("{{{},{},{}}}", healthMembers(state_.health),
-                     answerMembers(healthAnswer(state_, Clock::now())), recordingMembers(recording_state_));
+                     lightMembers(trafficLight(state_, Clock::now())), recordingMembers(recording_state_));
 }
 
 std::string StatusPage::control(const std::string& action) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -53,6 +54,12 @@ class StatusPage final : public PageContent {
     handover_.setHealth({health, recording, stalled_});
   }
 
+  // Called by the threads that read the cameras.
+
+  void addFrame(capture::CameraSide side, const capture::Frame& frame) {
+    handover_.addFrame(side, frame.image, Clock::now());
+  }
+
   std::string about() override { return about_; }
   std::optional<std::string> newestFrame(std::uint64_t seen) override;
   std::optional<std::string> storedFrame(std::uint64_t /*pair*/) override { return std::nullopt; }
@@ -66,7 +73,7 @@ class StatusPage final : public PageContent {
   void run(const std::stop_token& end);
   bool addSamples();
   void updateHealth();
-  void addSnapshot();
+  void addPictures();
   void renderFrame();
 
   LiveHandover handover_;
@@ -78,8 +85,12 @@ class StatusPage final : public PageContent {
   PageHistory history_;
   DaemonState state_;
   RecordingState recording_state_;
+  Clock::time_point last_pair_;             ///< when the pictures of a pair came
+  std::array<cv::Mat, 2> camera_pictures_;  ///< raw, left and right, the last ones
+  std::array<double, 2> frame_ages_{};      ///< s; NaN: no frame yet
   EncodedPictures pictures_;
   std::string pictures_json_ = "null";
+  std::uint64_t picture_number_ = 0;
   std::string frame_;
   std::uint64_t frame_number_ = 0;  ///< 0: none yet
 

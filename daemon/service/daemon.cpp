@@ -55,11 +55,16 @@ calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::pat
   return {rig, settings, std::move(loaded.tables)};
 }
 
-/// `clock` stamps the frames and gets the odometry's estimate of the time offset; it must outlive the
-/// pipeline.
-pipeline::PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock) {
+/// `clock` stamps the frames and gets the odometry's estimate of the time offset; `page` shows each camera's
+/// frames, unless it is empty. Both must outlive the pipeline.
+pipeline::PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock,
+                                            const std::unique_ptr<StatusPage>& page) {
   return {.image_size = rig.left.size,
-          .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); }};
+          .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); },
+          .frame =
+              [&page](capture::CameraSide side, const capture::Frame& frame) {
+                if (page) page->addFrame(side, frame);
+              }};
 }
 
 /// Reads the configured rig. Throws std::runtime_error that names the next step if there is none yet.
@@ -137,7 +142,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables),
                  {configuration.odometry, pipeline::AbsentReadout::unknown, configuration.alert_limits}),
-      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_)),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_, page_)),
       pose_publisher_(sender_, configuration.pose_channel, configuration.pose_velocity),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {

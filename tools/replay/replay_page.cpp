@@ -8,7 +8,6 @@
 #include "daemon/page/page_frame.hpp"
 #include "daemon/page/status_page.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 
 namespace cartvo {
 namespace {
@@ -33,7 +32,8 @@ void ReplayPage::addPair(const pipeline::PairResult& result, std::size_t expecte
   {
     const std::lock_guard lock(mutex_);
     total_ = expected;
-    reasons_ = message.status == odometry_t::VALID ? "" : daemon::reasonNames(message.reasons);
+    reasons_ = message.reasons;
+    is_valid_ = message.status == odometry_t::VALID;
     updateHealth(result, message);
   }
   store(daemon::pageSample(message, result.times.total));
@@ -41,13 +41,13 @@ void ReplayPage::addPair(const pipeline::PairResult& result, std::size_t expecte
 }
 
 void ReplayPage::store(const daemon::PageSample& sample) {
-  const daemon::EncodedPictures pictures = daemon::encodePictures(view_);
+  const daemon::EncodedPictures pictures = daemon::encodePictures(view_.left, view_.right);
   const std::string pictures_json = daemon::picturesJson(pictures, view_, sample.sequence());
   const std::lock_guard lock(mutex_);
   history_.add(sample);
-  const std::string json =
-      fmt::format(R"({{"number":{},"samples":{},"reasons":{},"pictures":{}}})", sample.sequence() + 1,
-                  history_.newestJson(kNewestSamples), daemon::jsonText(reasons_), pictures_json);
+  const std::string json = fmt::format(
+      R"({{"number":{0},"samples":{1},{2},"picture_number":{0},"pictures":{3}}})", sample.sequence() + 1,
+      history_.newestJson(kNewestSamples), daemon::lightMembers(light()), pictures_json);
   frames_.push_back(daemon::frameBytes(json, pictures.jpeg));
   stored_bytes_ += frames_.back().size();
   while (stored_bytes_ > kMaxStoredBytes) {
@@ -117,13 +117,21 @@ daemon::ReplayState ReplayPage::stateForPage() const {
           total_};
 }
 
+/// Of the newest pair.
+daemon::TrafficLight ReplayPage::light() const {
+  daemon::DaemonState state;
+  state.last_message = state.last_valid = Clock::now();
+  if (!is_valid_) state.last_valid -= std::chrono::hours(1);
+  state.reasons = reasons_;
+  state.health = health_;
+  state.health.left.state = state.health.right.state = camera_health_t::STREAMING;
+  return daemon::trafficLight(state, state.last_message);
+}
+
 std::string ReplayPage::health() {
   const std::lock_guard lock(mutex_);
-  const daemon::ReplayState state = stateForPage();
-  const std::string line =
-      fmt::format("replay {}: {}", state.state, reasons_.empty() ? "valid" : "invalid (" + reasons_ + ")");
-  return fmt::format("{{{},{},{}}}", daemon::healthMembers(health_),
-                     daemon::answerMembers({reasons_.empty(), line}), daemon::replayMembers(state));
+  return fmt::format("{{{},{},{}}}", daemon::healthMembers(health_), daemon::lightMembers(light()),
+                     daemon::replayMembers(stateForPage()));
 }
 
 std::string ReplayPage::control(const std::string& action) {

@@ -67,6 +67,7 @@ class ReplayPage final : public daemon::PageContent, public pipeline::PairViewer
   void updateHealth(const pipeline::PairResult& result, const odometry_t& message);
   void waitForPace(std::int64_t exposure_ns);
   daemon::ReplayState stateForPage() const;
+  daemon::TrafficLight light() const;
 
   double speed_;
   std::string about_;
@@ -85,7 +86,8 @@ class ReplayPage final : public daemon::PageContent, public pipeline::PairViewer
   std::size_t stored_bytes_ = 0;
   std::uint64_t first_ = 0;  ///< number of frames_.front()
   std::uint64_t total_ = 0;
-  std::string reasons_ = "no pair yet";
+  std::int32_t reasons_ = 0;  ///< of the newest pair
+  bool is_valid_ = false;
 
   daemon::PageServer server_;  ///< last, because its threads use the others
 };

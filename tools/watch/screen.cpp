@@ -92,13 +92,19 @@ std::string pathText(const WatchedState& state) {
                      position[1], position[2]);
 }
 
+bool isOfPair(const odometry_t& message) {
+  return (message.reasons & odometry_t::REASON_NO_PAIR) == 0;
+}
+
 std::string timesText(const WatchedState& state) {
   const std::optional<double> latency = latencyMs(state.message);
-  return fmt::format("{:.1f} pairs/s, latency {}", state.frame_rate,
-                     latency ? fmt::format("{:.1f} ms", *latency) : "none: a recording");
+  std::string text = "–";  // without a pair
+  if (isOfPair(state.message)) text = latency ? fmt::format("{:.1f} ms", *latency) : "none: a recording";
+  return fmt::format("{:.1f} pairs/s, latency {}", state.frame_rate, text);
 }
 
 std::string offsetText(const WatchedState& state) {
+  if (!isOfPair(state.message)) return "–";
   return fmt::format("{:+.2f} ms{}", 1e-3 * static_cast<double>(state.message.offset_us),
                      state.health ? "  " + clockText(*state.health) : "");
 }

@@ -224,9 +224,9 @@ std::string delayText(const OdometrySummary& summary) {
   const std::string settled =
       std::isnan(summary.latency_settled_p99_ms)
           ? ""
-          : fmt::format("; p99 {:.1f} ms from the third second on", summary.latency_settled_p99_ms);
+          : fmt::format("  from 2 s on     p99 {:.1f} ms\n", summary.latency_settled_p99_ms);
   return fmt::format(
-      "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication{})\n"
+      "latency           p50 {:.1f} ms, p99 {:.1f} ms (last packet to publication)\n{}"
       "age at reception  p50 {:.1f} ms, p99 {:.1f} ms (from exposure, by both clocks)\n",
       summary.latency_p50_ms, summary.latency_p99_ms, settled, summary.age_p50_ms, summary.age_p99_ms);
 }

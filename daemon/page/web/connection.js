@@ -10,10 +10,12 @@ async function request(path, options = {}) {
   return answer;
 }
 
-export async function readJson(path) {
+export const readJson = async (path) => JSON.parse(await readText(path));
+
+export async function readText(path) {
   const answer = await request(path);
   if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
-  return answer.json();
+  return answer.text();
 }
 
 /** Sends a text; returns why the server refuses it, or '' if it does not. */

@@ -1,18 +1,21 @@
 // The status page: asks the server for frames ten times a second and shows them.
-import { LoginNeeded, post, readFrame, readJson } from '/connection.js';
+import { isMissing, showCameras, showLight, showMotion } from '/bar.js';
+import { LoginNeeded, post, readFrame, readJson, readText } from '/connection.js';
 import { Model } from '/model.js';
 import { drawLegend, PictureView } from '/pictures.js';
 import { drawHistogram, drawLines, drawPlan } from '/plots.js';
 import { ReplayControls } from '/replay.js';
 import { byId, cameraRows, clockRows, motionRows, number, programRows, recordingText, sentences, setItems, setRows, setText, stageRows } from '/tables.js';
+import { Troubleshooting } from '/troubleshooting.js';
 
-const kFramePeriod = 100, kPlotPeriod = 200, kHealthPeriod = 1000, kRetryPeriod = 1000, kHistoryPeriod = 10_000, kStale = 1500; // ms
+const kFramePeriod = 100, kPlotPeriod = 200, kHealthPeriod = 1000, kRetryPeriod = 1000, kHistoryPeriod = 10_000; // ms
+const kNoConnection = { state: 'no_connection', cause: 'cartvod, or the network between it and this browser, does not answer', topic: 'no messages' };
 const kDegrees = 180 / Math.PI;
 const kStagePairs = 100; // ten seconds
 
 const picture = new PictureView(byId('picture'));
-let about = null, model = null, replay = null, health = null, stages = [];
-let seen = 0, reasons = '', lastPictureAt = 0, lastSequence = null, healthAt = -Infinity, plotsAt = -Infinity, historyAt = -Infinity;
+let about = null, model = null, replay = null, health = null, help = null, light = kNoConnection, stages = [];
+let seen = 0, ages = [0, 0], lastPicture = null, healthAt = -Infinity, plotsAt = -Infinity, historyAt = -Infinity;
 
 const pause = (duration) => new Promise((resolve) => setTimeout(resolve, duration));
 
@@ -27,16 +30,19 @@ async function connect() {
   byId('login').hidden = true;
   byId('content').hidden = false;
   setText(byId('rig'), `${content.title} · ${content.mode}`);
+  help ??= new Troubleshooting(await readText('/troubleshooting.md'));
   byId('show-login').hidden = about.control !== 'with_token';
   if (isNew) {
     model = new Model(content.sample);
     seen = 0;
-    lastSequence = null;
+    lastPicture = null;
     stages = [];
   }
   await readHistory();
   if (content.mode === 'replay' && !replay) replay = new ReplayControls(showStored);
   byId('recording-section').hidden = content.mode === 'replay';
+  byId('chips').hidden = content.mode === 'replay';
+  setText(byId('latency-name'), content.mode === 'replay' ? 'Processing' : 'Latency');
 }
 
 async function readHistory() {
@@ -44,28 +50,27 @@ async function readHistory() {
   model.setHistory(await readJson('/history.json'));
 }
 
-async function showPictures(frame) {
-  if (!frame.json.pictures || frame.json.pictures.sequence === lastSequence) return;
-  lastSequence = frame.json.pictures.sequence;
-  lastPictureAt = performance.now();
-  picture.show(frame.json.pictures, await createImageBitmap(frame.jpeg));
-  stages = [...stages, frame.json.pictures.stages_ms].slice(-kStagePairs);
-  byId('row').max = frame.json.pictures.height - 1;
-  const text = picture.text();
-  setText(byId('picture-text'), text);
+async function showPictures({ json, jpeg }) {
+  light = json.light;
+  showLight(light, help);
+  ages = json.frame_ages_s ?? [0, 0];
+  picture.setAges(ages.map((age) => (isMissing(age) ? age : 0)));
+  if (json.pictures?.width > 0 && json.picture_number !== lastPicture) {
+    lastPicture = json.picture_number;
+    picture.show(json.pictures, await createImageBitmap(jpeg));
+    if (json.pictures.stages_ms) stages = [...stages, json.pictures.stages_ms].slice(-kStagePairs);
+    byId('row').max = json.pictures.height - 1;
+  }
+  setText(byId('picture-text'), picture.text(light.state === 'standstill'));
 }
 
 async function updateFrame() {
   const frame = await readFrame(`/frame?seen=${seen}`);
   if (frame) {
     seen = frame.json.number;
-    reasons = frame.json.reasons;
     if (!model.add(frame.json.samples) && performance.now() - historyAt > kHistoryPeriod) await readHistory();
     if (replay?.chosen == null) await showPictures(frame);
   }
-  const isStale = about.content.mode === 'live' && performance.now() - lastPictureAt > kStale;
-  byId('pictures').classList.toggle('stale', isStale);
-  if (isStale && lastSequence !== null) setText(byId('picture-text'), `No new pair for ${number((performance.now() - lastPictureAt) / 1000, 0)} s. The pictures are the last ones.`);
 }
 
 /** Shows a pair of a replay that was processed before. */
@@ -83,9 +88,11 @@ async function showStored(pair) {
 
 async function updateHealth() {
   health = await readJson('/health.json');
-  byId('verdict').className = health.healthy ? 'good' : 'bad';
-  setText(byId('verdict'), health.line.replace(/^./, (letter) => letter.toUpperCase()));
-  setItems(byId('sentences'), sentences(health, reasons));
+  if (replay?.chosen == null) light = health.light;
+  showLight(light, help);
+  showCameras(health, ages);
+  setText(byId('latency-now'), number(replay ? health.process_ms : health.latency_p50_ms, 0));
+  setItems(byId('sentences'), sentences(health, light.cause));
   setRows(byId('clocks'), clockRows(health));
   setRows(byId('cameras'), cameraRows(health));
   setRows(byId('program'), programRows(health));
@@ -96,6 +103,7 @@ async function updateHealth() {
 }
 
 function drawPlots() {
+  showMotion(model, light);
   setRows(byId('motion'), motionRows(model));
   setRows(byId('stages'), stageRows(stages));
   drawPlan(byId('plan'), model);
@@ -127,6 +135,7 @@ async function update() {
     plotsAt = now;
     drawPlots();
   }
+  document.body.classList.remove('stale');
   setText(byId('connection'), 'Connected');
 }
 
@@ -143,7 +152,8 @@ async function run() {
       } else {
         console.warn(error);
         setText(byId('connection'), 'Connection lost: trying again every second');
-        byId('pictures').classList.add('stale');
+        showLight(kNoConnection, help);
+        document.body.classList.add('stale');
       }
       await pause(kRetryPeriod);
       await connect().catch(() => {});

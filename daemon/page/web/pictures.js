@@ -23,36 +23,60 @@ export class PictureView {
     this.colour = 'weight';
     this.row = null;
     this.frame = null;
+    this.ages = [0, 0];
+  }
+
+  /** Ages of each camera's newest picture, s; 0: new, null: none yet. */
+  setAges(ages) {
+    const shown = ages.map((age) => (age === null ? null : Math.floor(age)));
+    if (shown.every((age, side) => age === this.ages[side])) return;
+    this.ages = shown;
+    const names = ['left', 'right'].map((name, side) => this.sideText(name, side));
+    this.canvas.setAttribute('aria-label', `Pictures of both cameras with landmarks: ${names.join('; ')}`);
+    this.draw();
   }
 
   /** `pictures`: of a frame's JSON. `bitmap`: both pictures, the left above the right. */
   show(pictures, bitmap) {
     this.frame?.bitmap.close();
-    this.frame = { ...pictures, bitmap };
+    this.frame = { landmarks: [], still: [], ...pictures, bitmap };
     this.draw();
   }
 
   draw() {
     if (!this.frame) return;
     const { width, height } = this.frame;
-    const isNarrow = this.canvas.clientWidth < 640;
-    const columns = this.view === 'overlay' || (this.view === 'both' && isNarrow) ? 1 : 2;
-    const rows = this.view === 'both' && isNarrow ? 2 : 1;
+    const columns = this.view === 'overlay' ? 1 : 2;
     const zoom = Math.min(2, Math.max(1, Math.ceil(this.canvas.clientWidth * devicePixelRatio / (columns * width))));
-    if (this.canvas.width !== zoom * columns * width || this.canvas.height !== zoom * rows * height) {
+    if (this.canvas.width !== zoom * columns * width || this.canvas.height !== zoom * height) {
       this.canvas.width = zoom * columns * width;
-      this.canvas.height = zoom * rows * height;
+      this.canvas.height = zoom * height;
     }
     const context = this.canvas.getContext('2d');
     context.setTransform(zoom, 0, 0, zoom, 0, 0);
-    const at = [[0, 0], [columns === 2 ? width : 0, rows === 2 ? height : 0]];
+    const at = [[0, 0], [columns === 2 ? width : 0, 0]];
     this.drawPicture(context, 0, at[0], 1);
     this.drawPicture(context, 1, at[1], this.view === 'overlay' ? 0.5 : 1);
     if (this.view === 'epipolar') this.drawEpipolarLines(context);
     this.drawStillRegions(context);
     this.drawLandmarks(context, at);
     if (this.view === 'overlay') this.drawName(context, 'left over right', at[0]);
-    else ['left', 'right'].forEach((name, side) => this.drawName(context, name, at[side]));
+    else ['left', 'right'].forEach((name, side) => this.drawSide(context, name, side, at[side]));
+  }
+
+  /** The name of a picture; darkens one that is not new and says how old it is. */
+  drawSide(context, name, side, [x, y]) {
+    if (this.ages[side] !== 0) {
+      context.fillStyle = 'rgb(0 0 0 / 65%)';
+      context.fillRect(x, y, this.frame.width, this.frame.height);
+    }
+    this.drawName(context, this.sideText(name, side), [x, y]);
+  }
+
+  sideText(name, side) {
+    const age = this.ages[side];
+    if (age === 0) return name;
+    return `${name}: ${age === null ? 'no picture yet' : `no picture for ${age} s`}`;
   }
 
   /** Names a picture in its upper left corner, 13 px high on the screen. */
@@ -96,7 +120,7 @@ export class PictureView {
   drawLandmarks(context, at) {
     const legend = kLegends[this.colour];
     if (!legend) return;
-    const radius = Math.min(Math.max(this.frame.width / 260, 1.2), 3);
+    const radius = Math.max(1.3 * this.canvas.width / this.canvas.clientWidth / context.getTransform().a, Math.min(this.frame.width / 260, 3));
     for (const landmark of this.frame.landmarks) {
       const share = legend.share(landmark);
       context.fillStyle = share === null ? '#fff' : scaleColour(share);
@@ -150,9 +174,12 @@ export class PictureView {
   }
 
   /** The picture as a sentence. */
-  text() {
+  text(isStanding) {
     if (!this.frame) return 'No pictures yet';
+    if (this.frame.sequence === null) return 'No pair: each camera\'s own pictures, not rectified.';
+    if (this.ages.some((age) => age !== 0)) return `Pair ${this.frame.sequence}, the last one.`;
     const landmarks = this.frame.landmarks;
+    if (isStanding && landmarks.length === 0) return `Pair ${this.frame.sequence}: standstill. Landmarks are estimated, and drawn, while the cart moves.`;
     const inStereo = landmarks.filter((landmark) => landmark[2] !== null);
     const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
     const parts = [`Pair ${this.frame.sequence}: ${landmarks.length} landmarks, ${inStereo.length} also in the right picture`];

@@ -1,5 +1,6 @@
 // Plots on canvases, in the colours of the style sheet.
 
+const kShortest = 5; // s, of a plot over time
 const kEllipse95 = Math.sqrt(5.991); // of two dimensions
 
 function colours() {
@@ -39,20 +40,22 @@ function ticks(low, high, count) {
 
 const shortNumber = (value) => String(Number(value.toPrecision(4)));
 
-/** Lines over the last minute with bands of two standard deviations. `series`: of Model.series. */
+/** Lines over the time of their data, at most the last minute. Bands of two standard deviations are cut at the plot's edge, so
+ *  that large ones leave the line readable. `series`: of Model.series; `least`: smallest range of the values. */
 export function drawLines(canvas, series, least) {
   const { context, width, height } = prepare(canvas);
   const colour = colours();
   const points = series.flat().filter((point) => point !== null);
   const left = 44, right = width - 8, top = 8, bottom = height - 20;
-  const magnitude = (point) => 2 * Math.min(point[2] ?? 0, 0.5 * Math.abs(point[1]) + least);
-  let low = Math.min(0, ...points.map((point) => point[1] - magnitude(point)));
-  let high = Math.max(0, ...points.map((point) => point[1] + magnitude(point)));
-  if (high - low < least) { high += least / 2; low -= low < 0 ? least / 2 : 0; }
-  const x = (seconds) => left + (right - left) * (seconds + 60) / 60;
+  const values = points.map((point) => point[1]);
+  const margin = Math.max(0.15 * (Math.max(0, ...values) - Math.min(0, ...values)), least / 2);
+  const low = Math.min(0, ...values) - margin, high = Math.max(0, ...values) + margin;
+  const begin = Math.min(-kShortest, ...points.map((point) => point[0]));
+  const x = (seconds) => left + (right - left) * (1 - seconds / begin);
   const y = (value) => bottom - (bottom - top) * (value - low) / (high - low);
 
   context.strokeStyle = colour.line;
+  context.lineWidth = 1;
   context.fillStyle = colour.dim;
   context.textBaseline = 'middle';
   context.textAlign = 'right';
@@ -62,7 +65,7 @@ export function drawLines(canvas, series, least) {
   }
   context.textBaseline = 'top';
   context.textAlign = 'center';
-  for (const tick of [-60, -45, -30, -15, 0]) context.fillText(tick === 0 ? 'now' : `${tick} s`, Math.min(x(tick), right - 10), bottom + 5);
+  for (const tick of ticks(begin, 0, 4)) context.fillText(tick === 0 ? 'now' : `${shortNumber(tick)} s`, Math.min(x(tick), right - 10), bottom + 5);
 
   context.save();
   context.beginPath();
@@ -119,12 +122,7 @@ export function drawPlan(canvas, model) {
   const cx = (Math.max(...xs) + Math.min(...xs)) / 2, cy = (Math.max(...ys) + Math.min(...ys)) / 2;
   const toX = (y) => width / 2 - (y - cy) / span, toY = (x) => height / 2 - (x - cx) / span;
 
-  const step = tickStep(span * width, 5);
-  context.strokeStyle = colour.line;
-  for (let i = Math.ceil((cy - span * width / 2) / step); i * step < cy + span * width / 2; ++i) line(context, toX(i * step), 0, toX(i * step), height);
-  for (let i = Math.ceil((cx - span * height / 2) / step); i * step < cx + span * height / 2; ++i) line(context, 0, toY(i * step), width, toY(i * step));
-  context.fillStyle = colour.dim;
-  context.fillText(`grid ${shortNumber(step)} m`, 8, height - 8);
+  drawGrid(context, [width, height], [cx - span * height / 2, cx + span * height / 2, toY], [cy - span * width / 2, cy + span * width / 2, toX], colour);
 
   context.strokeStyle = colour.series[0];
   context.lineWidth = 2;
@@ -139,6 +137,7 @@ export function drawPlan(canvas, model) {
     if (i % every !== 0 && i !== path.length - 1) return;
     ellipse(context, toX(get(point, 'y')), toY(get(point, 'x')), get(point, 'xx'), get(point, 'xy'), get(point, 'yy'), span);
   });
+  drawStart(context, toX(ys[0]), toY(xs[0]), colour);
   const heading = get(shown, 'yaw');
   const px = toX(get(shown, 'y')), py = toY(get(shown, 'x'));
   context.fillStyle = colour.text;
@@ -146,6 +145,45 @@ export function drawPlan(canvas, model) {
   for (const [turn, length] of [[0, 13], [2.5, 9], [Math.PI, 3], [-2.5, 9]])
     context.lineTo(px - length * Math.sin(heading + turn), py - length * Math.cos(heading + turn));
   context.fill();
+}
+
+/** Lines with their metres, forward at the left edge and to the left at the lower one. `forward`, `left`: [low, high, to px]. */
+function drawGrid(context, [width, height], forward, left, colour) {
+  const step = tickStep(left[1] - left[0], 6);
+  const values = ([low, high]) => Array.from({ length: Math.floor(high / step) - Math.ceil(low / step) + 1 }, (_, i) => (Math.ceil(low / step) + i) * step);
+  context.strokeStyle = colour.line;
+  context.lineWidth = 1;
+  context.fillStyle = colour.dim;
+  context.textAlign = 'left';
+  context.textBaseline = 'bottom';
+  for (const value of values(forward)) {
+    const y = forward[2](value);
+    line(context, 0, y, width, y);
+    if (y > 30 && y < height - 20) context.fillText(shortNumber(value), 4, y - 1);
+  }
+  for (const value of values(left)) {
+    const x = left[2](value);
+    line(context, x, 0, x, height);
+    if (x > 40 && x < width - 95) context.fillText(shortNumber(value), x + 3, height - 3);
+  }
+  context.textBaseline = 'top';
+  context.fillText('forward, m ↑', 4, 4);
+  context.textBaseline = 'bottom';
+  context.textAlign = 'right';
+  context.fillText('← left, m', width - 4, height - 3);
+}
+
+/** A ring where the path of the epoch begins. */
+function drawStart(context, x, y, colour) {
+  context.strokeStyle = colour.text;
+  context.fillStyle = colour.text;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.arc(x, y, 5, 0, 2 * Math.PI);
+  context.stroke();
+  context.textAlign = 'left';
+  context.textBaseline = 'middle';
+  context.fillText('start', x + 9, y);
 }
 
 /** 95 % of a position with this covariance, x upwards and y to the left. */

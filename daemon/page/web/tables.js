@@ -62,10 +62,10 @@ export function motionRows(model) {
     ['Translation of the last second', '–', '–', number(get('bound_motion'), 3, 'm')],
     ['Rotation of the last second', '–', '–', number(scaled(get('bound_rotation'), degrees), 2, '°')],
     ['Quality, 0 to 100', number(get('quality'), 0), '–', '–'],
-    row('Position x', get('x'), stddev(get('xx')), 2, 'm'),
-    row('Position y', get('y'), stddev(get('yy')), 2, 'm'),
+    row('Position forward', get('x'), stddev(get('xx')), 2, 'm'),
+    row('Position left', get('y'), stddev(get('yy')), 2, 'm'),
     row('Heading', get('yaw'), null, 1, '°', degrees),
-    ['Landmarks', `${get('features')} detected, ${get('tracked')} tracked, ${get('inliers')} inliers`, '–', '–'],
+    ['Features', `${get('features')} detected, ${get('tracked')} tracked, ${get('inliers')} inliers`, '–', '–'],
   ];
 }
 
@@ -75,8 +75,8 @@ const withStddev = (value, stddev, digits, unit) =>
 export function clockRows(health) {
   return [
     ['Offset, right minus left exposure', withStddev(health.offset_ms, health.offset_stddev_ms, 2, 'ms')],
-    ['Correction of the arrival times by the sender reports', number(health.clock_by_reports_ms, 2, 'ms')],
-    ['Correction of the arrival times by the pictures', number(health.clock_by_pictures_ms, 2, 'ms')],
+    ['Offset that the arrival times lack, by the cameras’ clocks', number(health.clock_by_reports_ms, 2, 'ms')],
+    ['The same by the pictures (both should agree)', number(health.clock_by_pictures_ms, 2, 'ms')],
     ['Right camera later than its time stamps', withStddev(health.right_late_ms, health.right_late_stddev_ms, 2, 'ms')],
     ['Instants of the left camera from', health.left.instants],
     ['Instants of the right camera from', health.right.instants],
@@ -115,7 +115,7 @@ export function programRows(health) {
     ['Pairs', `${health.pairs}, ${number(health.pair_rate, 1, 'Hz')}; ${health.pairs_skipped} skipped, ${health.dropped_no_partner} frames without a partner`],
     ['State', health.odometry_state],
     ['Estimates', `${health.estimates_valid} valid, ${health.estimates_invalid} invalid`],
-    ['Landmarks aimed at', `${health.features_least} of ${health.features_configured}`],
+    ['Features aimed at', `${health.features_least} of ${health.features_configured}`],
     ['Memory', number(health.memory_mb, 0, 'MB')],
     ['Right camera’s rotation against the rig file', axes.map((name, i) =>
       `${name} ${withStddev(health.right_rotation_deg[i], health.right_rotation_stddev_deg[i], 3, '°')}`).join(', ')],
@@ -123,19 +123,11 @@ export function programRows(health) {
   ];
 }
 
-/** Sentences for the operator, the most urgent first. */
-export function sentences(health, reasons) {
-  const found = [];
-  if (health.problem) found.push(health.problem);
-  if (reasons) found.push(`No valid odometry: ${reasons} (${health.odometry_state}).`);
-  if (health.bound_exceeded) found.push(`In the last second: ${health.bound_exceeded}.`);
-  for (const side of ['left', 'right']) {
-    const camera = health[side];
-    if (camera.state && camera.state !== 'streaming' && camera.state !== 'ended')
-      found.push(`The ${side} camera is ${camera.state}${camera.last_error && !health.problem.includes(camera.last_error) ? `: ${camera.last_error}` : ''}.`);
-  }
-  if (health.self_check) found.push(`Self-check: ${health.self_check}`);
-  return [...new Set(found)];
+/** Other texts for the operator, beside the cause that is shown. The table of the cameras has their errors. */
+export function sentences(health, cause) {
+  const errors = [health.left.last_error, health.right.last_error].filter((error) => error !== '');
+  const isShown = (text) => cause.includes(text) || errors.some((error) => text.endsWith(error));
+  return [health.problem, health.bound_exceeded, health.self_check].filter((text) => text !== '' && !isShown(text));
 }
 
 export function recordingText(recording) {

@@ -2,6 +2,7 @@
 #include "daemon/page/live_handover.hpp"
 
 #include <chrono>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,25 @@ TEST(LiveHandover, HandsOverOnePairInATenthOfASecond) {
   EXPECT_NE(handover.nextViewAt(begin + std::chrono::milliseconds(200)), nullptr)
       << "ten a second on average";
   EXPECT_EQ(handover.nextViewAt(begin + std::chrono::seconds(10)), nullptr) << "the viewer has gone";
+}
+
+TEST(LiveHandover, HandsOverEachCamerasPicturesWhetherPairedOrNot) {
+  LiveHandover handover;
+  const auto begin = LiveHandover::Clock::now();
+  constexpr auto kLeft = capture::CameraSide::left;
+  EXPECT_TRUE(std::isnan(handover.takeCamera(kLeft, begin).age));
+  handover.addFrame(kLeft, cv::Mat(2, 2, CV_8UC1, cv::Scalar(9)), begin);
+  const CameraView unwatched = handover.takeCamera(kLeft, begin + std::chrono::milliseconds(50));
+  EXPECT_TRUE(unwatched.picture.empty()) << "nothing is copied without a viewer";
+  EXPECT_NEAR(unwatched.age, 0.05, 1e-9);
+  handover.noteViewer();
+  handover.addFrame(kLeft, cv::Mat(2, 2, CV_8UC1, cv::Scalar(9)), begin);
+  handover.addFrame(kLeft, cv::Mat(2, 2, CV_8UC1, cv::Scalar(8)), begin + std::chrono::milliseconds(100));
+  const CameraView watched = handover.takeCamera(kLeft, begin + std::chrono::milliseconds(150));
+  ASSERT_FALSE(watched.picture.empty());
+  EXPECT_EQ(watched.picture.at<std::uint8_t>(1, 1), 9) << "five a second";
+  EXPECT_NEAR(watched.age, 0.05, 1e-9);
+  EXPECT_TRUE(std::isnan(handover.takeCamera(capture::CameraSide::right, begin).age));
 }
 
 TEST(LiveHandover, APairThatWasNotWantedIsNotHandedOver) {

@@ -10,8 +10,8 @@
 namespace cartvo::daemon {
 namespace {
 
-pipeline::PairView viewOf(const cv::Size& size) {
-  return {cv::Mat(size, CV_8UC1, cv::Scalar(40)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), {}, {}, {}};
+cv::Mat pictureOf(const cv::Size& size, int grey) {
+  return {size, CV_8UC1, cv::Scalar(grey)};
 }
 
 cv::Mat decoded(const EncodedPictures& pictures) {
@@ -19,7 +19,7 @@ cv::Mat decoded(const EncodedPictures& pictures) {
 }
 
 TEST(PageFrame, HasTheLeftPictureAboveTheRight) {
-  const EncodedPictures pictures = encodePictures(viewOf({320, 200}));
+  const EncodedPictures pictures = encodePictures(pictureOf({320, 200}, 40), pictureOf({320, 200}, 200));
   const cv::Mat both = decoded(pictures);
   ASSERT_EQ(both.size(), cv::Size(320, 400));
   EXPECT_NEAR(both.at<std::uint8_t>(100, 160), 40, 3);
@@ -30,17 +30,25 @@ TEST(PageFrame, HasTheLeftPictureAboveTheRight) {
 TEST(PageFrame, ReducesLargePictures) {
   for (const auto& [size, scale] :
        {std::pair{cv::Size(961, 301), 2}, {cv::Size(1920, 1080), 2}, {cv::Size(3840, 2160), 4}}) {
-    const EncodedPictures pictures = encodePictures(viewOf(size));
+    const EncodedPictures pictures = encodePictures(pictureOf(size, 40), pictureOf(size, 200));
     EXPECT_EQ(pictures.scale, scale);
     EXPECT_EQ(decoded(pictures).size(), cv::Size(size.width / scale, size.height / scale * 2));
   }
 }
 
-TEST(PageFrame, HasNoPicturesWithoutAPair) {
-  EXPECT_EQ(encodePictures({}).jpeg, "");
-  pipeline::PairView different = viewOf({320, 200});
-  different.right = cv::Mat();
-  EXPECT_EQ(encodePictures(different).jpeg, "");
+TEST(PageFrame, ShowsTheCameraThatDeliversWithoutTheOther) {
+  EXPECT_EQ(encodePictures({}, {}).jpeg, "");
+  const EncodedPictures pictures = encodePictures({}, pictureOf({320, 200}, 200));
+  const cv::Mat both = decoded(pictures);
+  ASSERT_EQ(both.size(), cv::Size(320, 400));
+  EXPECT_NEAR(both.at<std::uint8_t>(100, 160), 0, 3);
+  EXPECT_NEAR(both.at<std::uint8_t>(300, 160), 200, 3);
+  const auto json = nlohmann::json::parse(unpairedJson(pictures));
+  EXPECT_EQ(json["width"], 320);
+  EXPECT_TRUE(json["sequence"].is_null());
+  EXPECT_EQ(decoded(encodePictures(pictureOf({320, 200}, 40), pictureOf({640, 480}, 200))).size(),
+            cv::Size(320, 400))
+      << "a stream of another size than the rig's";
 }
 
 TEST(PageFrame, ListsLandmarksStillRegionsAndTimes) {

@@ -92,7 +92,7 @@ const httplib::Headers kBearer{{"Authorization", "Bearer " + kToken}};
 
 TEST_F(PageServerTest, ServesThePageWithAStrictPolicy) {
   serve("127.0.0.1");
-  for (const char* path : {"/", "/style.css", "/page.js", "/plots.js"}) {
+  for (const char* path : {"/", "/style.css", "/page.js", "/help.html", "/troubleshooting.md"}) {
     const httplib::Result answer = client_->Get(path);
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->status, 200) << path;

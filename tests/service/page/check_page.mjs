@@ -34,8 +34,9 @@ async function open(options) {
 /** Waits until the function is true in the page. */
 const until = (page, what, argument) => page.waitForFunction(what, argument, { timeout: kPatience });
 const text = (page, id) => page.locator(`#${id}`).innerText();
-const sequence = async (page) => Number((await text(page, 'picture-text')).match(/^Pair (\d+):/)?.[1]);
-const isValid = () => document.getElementById('verdict').textContent === 'Valid';
+const sequence = async (page) => Number((await text(page, 'picture-text')).match(/^Pair (\d+)/)?.[1]);
+const isValid = () => ['DRIVING', 'STANDSTILL'].includes(document.getElementById('word').textContent);
+const bothDeliver = () => !document.getElementById('picture').getAttribute('aria-label').includes('no picture');
 
 /** Whether the canvas shows more than one colour. */
 const showsSomething = (id) => {
@@ -48,10 +49,13 @@ const showsSomething = (id) => {
 
 async function checkLoadsAndUpdates(page) {
   await until(page, isValid);
+  await page.locator('#details').evaluate((details) => { details.open = true; });
+  assert.match(await text(page, 'speed-now'), /^-?\d+\.\d\d$/);
+  for (const side of ['left', 'right']) await until(page, (id) => /^\d+\.\d Hz ✓$/.test(document.getElementById(id).textContent), `${side}-state`);
   await until(page, () => /^Pair \d+: \d+ landmarks, \d+ also in the right picture/.test(document.getElementById('picture-text').textContent));
   for (const id of ['picture', 'plan', 'speed', 'rates', 'latency']) await until(page, showsSomething, id);
   const first = await sequence(page);
-  await until(page, (before) => Number(document.getElementById('picture-text').textContent.match(/^Pair (\d+):/)?.[1]) > before + 10, first);
+  await until(page, (before) => Number(document.getElementById('picture-text').textContent.match(/^Pair (\d+)/)?.[1]) > before + 10, first);
   await until(page, () => /median \d+\.\d ms, 99th percentile \d+\.\d ms, \d+ pairs/.test(document.getElementById('latency-text').textContent));
   for (const id of ['motion', 'clocks', 'stages', 'cameras', 'program']) assert.ok(await page.locator(`#${id} tr`).count() >= 5, id);
 }
@@ -59,6 +63,9 @@ async function checkLoadsAndUpdates(page) {
 async function checkKeyboard(page) {
   await page.keyboard.press('Tab');
   assert.equal(await page.evaluate(() => document.activeElement.className), 'skip', 'the first stop skips to the pictures');
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.parentElement.id), 'view');
   await page.keyboard.press('Enter');
   await page.keyboard.press('Tab');
   assert.equal(await page.evaluate(() => document.activeElement.value), 'both');
@@ -151,10 +158,20 @@ const lowContrasts = () => {
     return parse(getComputedStyle(probe).color);
   };
   for (const back of ['--back', '--panel']) {
-    for (const name of ['--text', '--dim', '--good', '--bad']) check(`${name} on ${back}`, colour(name), colour(back), kText);
-    for (const name of ['--accent', '--s1', '--s2', '--s3', '--dim']) check(`${name} on ${back}`, colour(name), colour(back), kGraphics);
+    for (const name of ['--text', '--dim', '--accent']) check(`${name} on ${back}`, colour(name), colour(back), kText);
+    for (const name of ['--s1', '--s2', '--s3', '--dim']) check(`${name} on ${back}`, colour(name), colour(back), kGraphics);
   }
+  for (const back of ['--warning', '--fault']) check(`--text on ${back}`, colour('--text'), colour(back), kText);
   probe.remove();
+  const bar = document.getElementById('bar'), chip = document.getElementById('left-chip');
+  const shown = [bar.className, chip.className];
+  chip.className = 'chip away';
+  check('the chip of a camera that is away', parse(getComputedStyle(chip).color), behind(chip), kText);
+  for (const level of ['good', 'still', 'bad', 'unknown']) {
+    bar.className = level;
+    check(`the bar, ${level}`, parse(getComputedStyle(bar).color), behind(bar), kText);
+  }
+  [bar.className, chip.className] = shown;
   return low;
 };
 
@@ -177,24 +194,39 @@ async function checkRecording(page) {
   await until(page, () => /^Not recording\. The last recording is /.test(document.getElementById('recording').textContent));
 }
 
+/** The remedy comes from the troubleshooting page, and its link leads to the entry. */
+async function checkHelp(page) {
+  await until(page, () => document.getElementById('remedy').textContent !== '');
+  const help = await page.context().newPage();
+  await help.goto(await page.locator('#help').evaluate((link) => link.href));
+  await help.locator('.chosen').waitFor();
+  assert.match(await help.locator('h1').innerText(), /^Troubleshooting$/);
+  assert.ok(await help.locator('h2').count() >= 7);
+  await help.close();
+}
+
 async function checkLostCameras(page) {
   await ask('stop cameras');
-  await until(page, () => /The left camera is (connecting|stalled)/.test(document.getElementById('sentences').textContent));
-  await until(page, () => document.getElementById('pictures').classList.contains('stale'));
-  await until(page, () => /^(Waiting for|Invalid)/.test(document.getElementById('verdict').textContent));
+  await until(page, () => document.getElementById('word').textContent === 'NO CAMERA');
+  await until(page, () => /camera(s)? (connecting|stalled)/.test(document.getElementById('cause').textContent));
+  for (const side of ['left', 'right']) await until(page, (id) => document.getElementById(id).textContent.endsWith('✗'), `${side}-state`);
+  await until(page, () => document.getElementById('speed-now').textContent === '–');
+  await until(page, () => document.getElementById('picture').getAttribute('aria-label').includes('left: no picture for'));
+  await checkHelp(page);
   await page.screenshot({ path: `${pictures}/lost-cameras.png`, fullPage: true });
   await ask('start cameras');
   await until(page, isValid);
-  await until(page, () => !document.getElementById('pictures').classList.contains('stale'));
+  await until(page, bothDeliver);
 }
 
 async function checkRestart(page) {
   await ask('stop cartvod');
   await until(page, () => document.getElementById('connection').textContent.startsWith('Connection lost'));
+  assert.equal(await text(page, 'word'), 'NO CONNECTION');
   await ask('start cartvod');
   await until(page, () => document.getElementById('connection').textContent === 'Connected');
   await until(page, isValid);
-  await until(page, () => !document.getElementById('pictures').classList.contains('stale'));
+  await until(page, () => !document.body.classList.contains('stale') && document.getElementById('picture').getAttribute('aria-label'));
   await checkLoadsAndUpdates(page);
 }
 

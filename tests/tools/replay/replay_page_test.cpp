@@ -71,6 +71,7 @@ TEST_F(ReplayPageTest, KeepsPairsAsTheyWereProcessed) {
   EXPECT_EQ(client_.Get("/frame?seen=5")->status, 204);
   EXPECT_EQ(frame("/frame?pair=2")["pictures"]["sequence"], 2);
   EXPECT_EQ(frame("/frame?pair=2")["samples"].size(), 3U);
+  EXPECT_EQ(frame("/frame?pair=2")["light"]["state"], "invalid");
   EXPECT_EQ(client_.Get("/frame?pair=5")->status, 404);
   EXPECT_EQ(get("/history.json")["samples"].size(), 5U);
   EXPECT_EQ(control("replay/step"), 409) << "it has ended";

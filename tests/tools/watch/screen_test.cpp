@@ -75,6 +75,17 @@ TEST(WatchScreen, SaysWhyAMessageIsNotValidAndThatNoneComes) {
   EXPECT_THAT(textOf(state, 100, 40, false), HasSubstr("no message for 3 s"));
 }
 
+TEST(WatchScreen, HasNoTimesOfAPairThatDidNotCome) {
+  WatchedState state = exampleState();
+  state.message.status = odometry_t::INVALID;
+  state.message.reasons = odometry_t::REASON_NO_PAIR;
+  state.message.publication_utime = 1'900'000'000'000'000;
+  EXPECT_THAT(textOf(state, 100, 40, false),
+              AllOf(HasSubstr("latency –\n"), HasSubstr("offset      –\n"), Not(HasSubstr("a recording"))));
+  state.message.reasons = 0;
+  EXPECT_THAT(textOf(state, 100, 40, false), HasSubstr("latency none: a recording\n"));
+}
+
 TEST(WatchScreen, FitsTheTerminalAndWrapsSentences) {
   WatchedState state = exampleState();
   state.advice = "problem: " + std::string(30, 'a') + " " + std::string(30, 'b') + " the end";

@@ -62,7 +62,13 @@ TEST(WatchStatistics, SeparatesStartupLatency) {
   const OdometrySummary summary = statistics.summarise();
   EXPECT_NEAR(summary.latency_p99_ms, 58.0, 1e-9);
   EXPECT_NEAR(summary.latency_settled_p99_ms, 8.0, 1e-9);
-  EXPECT_NE(summaryText(summary).find("p99 8.0 ms from the third second on"), std::string::npos);
+  const std::string text = summaryText(summary);
+  EXPECT_NE(text.find("from 2 s on     p99 8.0 ms"), std::string::npos) << text;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    EXPECT_LT(textColumns(text.substr(begin, end - begin)), 80U) << text;
+    begin = end + 1;
+  }
 }
 
 TEST(WatchStatistics, HasNoLatencyForReplayedRecording) {

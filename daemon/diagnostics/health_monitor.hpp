@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -48,6 +49,10 @@ class HealthMonitor {
   /// Builds the message for the time since the previous one and resets the statistics.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
+  /// "left camera: the picture is dark; ..."; empty unless light and texture explain why most pairs since
+  /// the previous message are INVALID. As of the last message.
+  const std::string& lightProblem() const { return light_problem_; }
+
   SelfCheck& selfCheck() { return self_check_; }
 
  private:
@@ -56,8 +61,12 @@ class HealthMonitor {
     int features = std::numeric_limits<int>::max();       // smallest target number
     vo::IntegrityState state = vo::IntegrityState::lost;  // after the last pair
     std::optional<pipeline::LimitedBound> worst;          // of the pairs above an alert limit
+    int pairs = 0;                                        // processed
+    std::array<int, 2> unlit{};  // of them INVALID for reasons that each camera's light explains
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
+
+  void addLight(const pipeline::PairResult& result, const odometry_t& message);
 
   Clock::time_point start_;
   Clock::time_point last_;
@@ -68,6 +77,8 @@ class HealthMonitor {
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
   SelfCheck self_check_;
+  std::array<pipeline::PictureLight, 2> light_{};  // as measured last
+  std::string light_problem_;
 };
 
 }  // namespace cartvo::daemon

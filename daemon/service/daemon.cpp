@@ -274,8 +274,9 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   service_.setStatus(statusLine(message));
   left_log_.log(snapshot.left);
   right_log_.log(snapshot.right);
-  for (const std::string& problem : {snapshot.problem, snapshot.clock.problem, snapshot.recording,
-                                     snapshot.frame_rate, snapshot.left.advice, snapshot.right.advice}) {
+  for (const std::string& problem :
+       {snapshot.problem, snapshot.clock.problem, snapshot.recording, snapshot.frame_rate,
+        health_.lightProblem(), snapshot.left.advice, snapshot.right.advice}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {

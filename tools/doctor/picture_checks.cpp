@@ -227,10 +227,10 @@ Finding staticPartsOf(const std::vector<PicturePair>& pairs, cv::Mat PicturePair
     finding.seen +=
         fmt::format(", at x {} to {}, y {} to {} px", box.x, box.br().x - 1, box.y, box.br().y - 1);
     finding.advice = "switch lettering off, clean the lens, or mask the cart: 'cartvo calibrate mask'";
-  } catch (const std::runtime_error&) {
+  } catch (const std::runtime_error& error) {
     finding.verdict = Verdict::not_checked;
-    finding.seen = "these are not the pictures of a drive";
-    finding.advice = "look at the recording of a drive with 'cartvo calibrate mask'";
+    finding.seen = error.what();
+    finding.advice = "'cartvo calibrate mask' looks at all of a recording";
   }
   return finding;
 }

@@ -4,11 +4,27 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 namespace cartvo {
+
+namespace {
+
+/// CLI11's range, but also of a text that is no number it says what is expected.
+template <typename Number>
+CLI::Validator rangeOf(Number min, Number max) {
+  const CLI::Range range(min, max);
+  const auto check = [range](std::string& value) {
+    return range(value).empty() ? std::string()
+                                : "expected " + range.get_description() + ", found '" + value + "'";
+  };
+  return {check, range.get_description()};
+}
+
+}  // namespace
 
 Option Option::required() const {
   return Option(option_->required());
@@ -59,11 +75,11 @@ Option Option::transform(const Transformation& transformation) const {
 }
 
 Option Option::range(double min, double max) const {
-  return Option(option_->check(CLI::Range(min, max)));
+  return Option(option_->check(rangeOf(min, max)));
 }
 
 Option Option::range(int min, int max) const {
-  return Option(option_->check(CLI::Range(min, max)));
+  return Option(option_->check(rangeOf(min, max)));
 }
 
 Option Option::choices(const std::vector<std::string>& values) const {

@@ -45,7 +45,7 @@ std::string row(const Finding& finding, const std::string& subject) {
 constexpr const char* kTableHead =
     "<table><tr><th>verdict</th><th>subject</th><th>seen</th><th>expected</th><th>do</th></tr>\n";
 
-/// What is broken, then what is to look at; empty if there is neither.
+/// A table of the findings that are broken, then of those to look at; empty if there is neither.
 std::string severeTable(const Findings& findings) {
   std::string html;
   for (const Finding& finding : bySeverity(findings))

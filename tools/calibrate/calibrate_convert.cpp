@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -55,8 +56,10 @@ void report(const Options& options, const std::vector<std::string>& files, const
     printJson(json);
     return;
   }
-  for (const std::string& file : files)
-    std::printf("%s\n", file.c_str());
+  for (const std::string& file : files) {
+    std::error_code error;  // the name of standard output would follow the data
+    if (!fs::equivalent(file, "/dev/stdout", error)) std::printf("%s\n", file.c_str());
+  }
   std::fprintf(stderr, "cartvo: %dx%d px, baseline %.4f m, focal length %.1f px as rectified\n",
                rig.left.size.width, rig.left.size.height, rectified.baseline, rectified.focal_length);
 }

@@ -102,19 +102,6 @@ std::string firstProblem(const HealthSnapshot& snapshot, const std::string& ligh
   return snapshot.right.advice.empty() ? "" : "right camera: " + snapshot.right.advice;
 }
 
-/// `unlit`: whether the light of the left and the right camera's picture is the problem.
-std::string lightMessage(const std::array<pipeline::PictureLight, 2>& light,
-                         const std::array<bool, 2>& unlit) {
-  const std::array faults{unlit[0] ? pipeline::lightFault(light[0]) : pipeline::LightFault::none,
-                          unlit[1] ? pipeline::lightFault(light[1]) : pipeline::LightFault::none};
-  if (!unlit[0] && !unlit[1]) return {};
-  const pipeline::LightFault fault = unlit[0] ? faults[0] : faults[1];
-  const char* const camera = faults[0] == faults[1] ? "both cameras"
-                             : unlit[0]             ? "left camera"
-                                                    : "right camera";
-  return fmt::format("{}: {}: {}", camera, pipeline::lightFaultText(fault), pipeline::lightAdvice(fault));
-}
-
 void setClock(health_t& message, const capture::ClockStatus& clock) {
   const auto value = [](const std::optional<capture::OffsetEstimate>& estimate) {
     return estimate ? std::optional(estimate->value_ns) : std::nullopt;
@@ -166,7 +153,8 @@ HealthMonitor::HealthMonitor(Clock::time_point start, const StatedReadouts& read
 
 void HealthMonitor::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
-  addLight(result, message);
+  light_.add(result, message);
+  self_check_.setTexture(light_.hasTexture());
   self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);
   window_.state = result.estimate.state;
@@ -178,17 +166,6 @@ void HealthMonitor::addPair(const pipeline::PairResult& result, const odometry_t
   window_.offset.push_back(static_cast<double>(result.offset_ns()) * 1e-6);
   window_.left_decode.push_back(decodeMilliseconds(result.left));
   window_.right_decode.push_back(decodeMilliseconds(result.right));
-}
-
-void HealthMonitor::addLight(const pipeline::PairResult& result, const odometry_t& message) {
-  if (result.light) light_ = *result.light;
-  ++window_.pairs;
-  for (std::size_t i = 0; i < light_.size(); ++i)
-    window_.unlit[i] += message.status != odometry_t::VALID &&
-                                pipeline::mayExplain(light_[i], static_cast<std::uint32_t>(message.reasons))
-                            ? 1
-                            : 0;
-  self_check_.setTexture(!pipeline::lacksTexture(light_[0]) && !pipeline::lacksTexture(light_[1]));
 }
 
 void HealthMonitor::addMissedPair() {
@@ -226,8 +203,7 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   setSelfCheck(message, self_check_);
   if (message.self_check.empty()) message.self_check = shortened(snapshot.advice);
   setClock(message, snapshot.clock);
-  light_problem_ =
-      lightMessage(light_, {2 * window_.unlit[0] > window_.pairs, 2 * window_.unlit[1] > window_.pairs});
+  light_problem_ = light_.consumeProblem();
   message.problem = shortened(firstProblem(snapshot, light_problem_));
   if (message.problem.empty()) message.problem = shortened(self_check_.stereoFaultMessage());
   if (message.problem.empty()) message.problem = shortened(overloadMessage(message));

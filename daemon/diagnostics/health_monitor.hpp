@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
+#include "daemon/diagnostics/light_monitor.hpp"
 #include "daemon/diagnostics/self_check.hpp"
 #include "pipeline/pipeline.hpp"
 
@@ -49,8 +49,7 @@ class HealthMonitor {
   /// Builds the message for the time since the previous one and resets the statistics.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
-  /// "left camera: the picture is dark; ..."; empty unless light and texture explain why most pairs since
-  /// the previous message are INVALID. As of the last message.
+  /// LightMonitor::consumeProblem(), as of the last message.
   const std::string& lightProblem() const { return light_problem_; }
 
   SelfCheck& selfCheck() { return self_check_; }
@@ -61,12 +60,8 @@ class HealthMonitor {
     int features = std::numeric_limits<int>::max();       // smallest target number
     vo::IntegrityState state = vo::IntegrityState::lost;  // after the last pair
     std::optional<pipeline::LimitedBound> worst;          // of the pairs above an alert limit
-    int pairs = 0;                                        // processed
-    std::array<int, 2> unlit{};  // of them INVALID for reasons that each camera's light explains
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
-
-  void addLight(const pipeline::PairResult& result, const odometry_t& message);
 
   Clock::time_point start_;
   Clock::time_point last_;
@@ -77,7 +72,7 @@ class HealthMonitor {
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
   SelfCheck self_check_;
-  std::array<pipeline::PictureLight, 2> light_{};  // as measured last
+  LightMonitor light_;
   std::string light_problem_;
 };
 

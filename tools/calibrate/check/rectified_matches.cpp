@@ -76,11 +76,10 @@ double meanDifference(const cv::Mat& left, const cv::Mat& right, int columns) {
   return cv::mean(difference)[0];
 }
 
-constexpr int kPatchRadius = 10;        // px
-constexpr double kMinDisparity = -1.0;  // px: smaller ones are clearly negative
-constexpr double kRowTolerance = 2.0;   // px, of a place that agrees with the rig
-constexpr double kOtherPlace = 5.0;     // px from the match
-constexpr double kEqualFit = 0.9;       // of the match's correlation
+constexpr int kPatchRadius = 10;       // px
+constexpr double kRowTolerance = 2.0;  // px, of a place that agrees with the rig
+constexpr double kOtherPlace = 5.0;    // px from the match
+constexpr double kEqualFit = 0.9;      // of the match's correlation
 
 cv::Rect around(const cv::Point2f& point, int x_radius, int y_radius) {
   const cv::Point centre(point);

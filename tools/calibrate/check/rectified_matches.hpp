@@ -6,6 +6,8 @@
 
 namespace cartvo::calibrate {
 
+constexpr double kMinDisparity = -1.0;  ///< px: smaller ones are clearly negative
+
 /// A point in both rectified images, px.
 struct RectifiedMatch {
   cv::Point2f left, right;

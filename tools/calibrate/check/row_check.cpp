@@ -131,7 +131,6 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
                    const calib::Rectification& rectification) {
   constexpr std::size_t kMinMatches = 30;
   constexpr double kMinGate = 0.5, kGate = 5.0;  // px; standard deviations
-  constexpr double kMinDisparity = -1.0;         // px: smaller ones are clearly negative
   const auto require = [](std::size_t count) {
     if (count < kMinMatches) {
       throw std::runtime_error(

@@ -9,7 +9,7 @@ namespace cartvo::capture {
 FrozenPictureDetector::Clock::duration FrozenPictureDetector::update(const cv::Mat& image,
                                                                      Clock::time_point now) {
   const std::uint64_t current = pictureDigest(image);
-  if (hash_ != current) {
+  if (hash_ != current || isUniform(image)) {
     hash_ = current;
     since_ = now;
   }

@@ -9,7 +9,8 @@
 namespace cartvo::capture {
 
 /// Detects a frozen camera: one that keeps sending, but always the same picture. Sensor noise makes the
-/// pictures of a standing cart differ, so only a frozen camera repeats every bit.
+/// pictures of a standing cart differ, so only a frozen camera repeats every bit. A uniform picture, as that
+/// of a covered lens, is no evidence: encoders give it without noise.
 class FrozenPictureDetector {
  public:
   using Clock = std::chrono::steady_clock;

@@ -2,6 +2,8 @@
 
 #include "pipeline/pair_processor.hpp"
 
+#include <array>
+#include <cstdint>
 #include <utility>
 
 #include "calib/rectification/rectifier.hpp"
@@ -12,6 +14,8 @@
 
 namespace cartvo::pipeline {
 namespace {
+
+constexpr std::int64_t kLightInterval_ns = 400'000'000;  // so that each health message has a measurement
 
 Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
@@ -25,6 +29,7 @@ class PairProcessor::Implementation {
  public:
   Implementation(const calib::Rig& rig, calib::Rectifier rectifier, const PairProcessorSettings& settings)
       : rectifier_(std::move(rectifier)),
+        used_{rig.left.mask.used, rig.right.mask.used},
         T_left_rectified_(rotationOnly(rectifier_.rectification().R_rectified_left.transpose())),
         T_body_rectified_(rig.T_body_camera * T_left_rectified_),
         scale_stddev_(rig.scale_stddev),
@@ -44,6 +49,7 @@ class PairProcessor::Implementation {
     PairView* const view = viewer_ == nullptr ? nullptr : viewer_->nextView();
     clock_.startPair();
     rectify(pair, view);
+    measureLight(pair, result);
     result.features = features_;
     result.estimate = odometry_.process(images_, clock_);
     result.motion = bodyMotion(result.estimate, T_body_rectified_, scale_stddev_);
@@ -101,6 +107,14 @@ class PairProcessor::Implementation {
     view.times = result.times;
   }
 
+  void measureLight(const capture::FramePair& pair, PairResult& result) {
+    const std::int64_t since_ns = pair.left.exposure_ns - light_ns_;
+    if (light_ns_ != 0 && since_ns >= 0 && since_ns < kLightInterval_ns) return;
+    light_ns_ = pair.left.exposure_ns;
+    result.light = {pipeline::measureLight(pair.left.image, used_[0]),
+                    pipeline::measureLight(pair.right.image, used_[1])};
+  }
+
   /// `view`: where to copy the rectified pictures; nullptr: not wanted.
   void rectify(const capture::FramePair& pair, PairView* view) {
     // Time steps by the left camera's own clock: corrections of the exposures are no motion.
@@ -125,6 +139,7 @@ class PairProcessor::Implementation {
   }
 
   calib::Rectifier rectifier_;
+  std::array<cv::Mat, 2> used_;  ///< masks of the raw pictures; may be empty
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;
   double scale_stddev_;
@@ -135,6 +150,7 @@ class PairProcessor::Implementation {
   int features_;
   VelocityAtExposure velocity_;
   StageClock clock_;
+  std::int64_t light_ns_ = 0;  ///< exposure of the last pair whose light was measured
   PairViewer* viewer_ = nullptr;
   std::uint64_t next_sequence_ = 0;
 };

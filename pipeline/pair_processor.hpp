@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "capture/pair_synchroniser.hpp"
 #include "pipeline/body_motion.hpp"
 #include "pipeline/pair_view.hpp"
+#include "pipeline/picture_light.hpp"
 #include "pipeline/protection_level.hpp"
 #include "pipeline/shutters.hpp"
 #include "pipeline/stage_clock.hpp"
@@ -35,6 +37,8 @@ struct PairResult {
   ProtectionLevel level;          ///< of `motion`
   std::optional<LimitedBound> worst;  ///< of `level`; empty if there is no estimate
   StageTimes times;
+  /// Of the left and the right raw picture; measured every 0.4 s, empty in between.
+  std::optional<std::array<PictureLight, 2>> light;
 
   /// Whether a bound exceeds its alert limit.
   bool exceedsAlertLimit() const { return worst && worst->isExceeded(); }

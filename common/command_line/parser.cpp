@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +22,17 @@ namespace {
 std::size_t helpColumns() {
   constexpr std::size_t kLeast = 80, kMost = 120;
   return std::clamp(terminalColumns(STDOUT_FILENO).value_or(kMost), kLeast, kMost);
+}
+
+/// CLI11's range, but also of a text that is no number it says what is expected.
+template <typename Number>
+CLI::Validator rangeOf(Number min, Number max) {
+  const CLI::Range range(min, max);
+  const auto check = [range](std::string& value) {
+    return range(value).empty() ? std::string()
+                                : "expected " + range.get_description() + ", found '" + value + "'";
+  };
+  return {check, range.get_description()};
 }
 
 }  // namespace
@@ -74,11 +86,11 @@ Option Option::transform(const Transformation& transformation) const {
 }
 
 Option Option::range(double min, double max) const {
-  return Option(option_->check(CLI::Range(min, max)));
+  return Option(option_->check(rangeOf(min, max)));
 }
 
 Option Option::range(int min, int max) const {
-  return Option(option_->check(CLI::Range(min, max)));
+  return Option(option_->check(rangeOf(min, max)));
 }
 
 Option Option::choices(const std::vector<std::string>& values) const {

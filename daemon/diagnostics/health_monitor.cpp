@@ -81,8 +81,14 @@ std::string overloadMessage(const health_t& message) {
       message.features_least, message.features_configured);
 }
 
-std::string firstProblem(const HealthSnapshot& snapshot) {
+/// `light`: HealthMonitor::lightProblem(). It comes before a frozen camera: a covered lens repeats its
+/// picture.
+std::string firstProblem(const HealthSnapshot& snapshot, const std::string& light) {
   if (!snapshot.problem.empty()) return snapshot.problem;
+  const auto sends = [](const capture::CameraHealth& camera) {
+    return camera.state == capture::CameraState::streaming || camera.state == capture::CameraState::frozen;
+  };
+  if (!light.empty() && sends(snapshot.left) && sends(snapshot.right)) return light;
   if (snapshot.left.state != capture::CameraState::streaming && !snapshot.left.last_error.empty()) {
     return "left camera: " + snapshot.left.last_error;
   }
@@ -148,6 +154,8 @@ HealthMonitor::HealthMonitor(Clock::time_point start, const StatedReadouts& read
 
 void HealthMonitor::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
+  light_.add(result, message);
+  self_check_.setTexture(light_.hasTexture());
   self_check_.update(result.estimate);
   window_.features = std::min(window_.features, result.features);
   window_.state = result.estimate.state;
@@ -196,7 +204,8 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   setSelfCheck(message, self_check_);
   if (message.self_check.empty()) message.self_check = shortened(snapshot.advice);
   setClock(message, snapshot.clock);
-  message.problem = shortened(firstProblem(snapshot));
+  light_problem_ = light_.consumeProblem();
+  message.problem = shortened(firstProblem(snapshot, light_problem_));
   if (message.problem.empty()) message.problem = shortened(self_check_.stereoFaultMessage());
   if (message.problem.empty()) message.problem = shortened(overloadMessage(message));
 

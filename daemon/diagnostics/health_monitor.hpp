@@ -12,6 +12,7 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
+#include "daemon/diagnostics/light_monitor.hpp"
 #include "daemon/diagnostics/self_check.hpp"
 #include "pipeline/pipeline.hpp"
 
@@ -49,6 +50,9 @@ class HealthMonitor {
   /// Builds the message for the time since the previous one and resets the statistics.
   health_t summarise(Clock::time_point now, const HealthSnapshot& snapshot);
 
+  /// LightMonitor::consumeProblem(), as of the last message.
+  const std::string& lightProblem() const { return light_problem_; }
+
   SelfCheck& selfCheck() { return self_check_; }
 
  private:
@@ -69,6 +73,8 @@ class HealthMonitor {
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;
   SelfCheck self_check_;
+  LightMonitor light_;
+  std::string light_problem_;
 };
 
 }  // namespace cartvo::daemon

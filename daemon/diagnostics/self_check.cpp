@@ -79,6 +79,7 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
 }
 
 std::string SelfCheck::stereoFaultMessage() const {
+  if (!texture_suffices_) return {};
   for (const vo::StereoFaultText& text : vo::kStereoFaults)
     if (text.fault == stereo_fault_) return text.sentence;
   return {};
@@ -88,7 +89,8 @@ std::string SelfCheck::message() const {
   if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
   // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
   // estimate from few matches is not worth its space in the message.
-  if (matches_.matchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
+  if (matches_.matchesMissing() && texture_suffices_ && !anglesCauseMissingMatches())
+    return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
   if (offset.empty() && angles.empty()) {

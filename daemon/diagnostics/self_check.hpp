@@ -23,6 +23,10 @@ class SelfCheck {
 
   void update(const vo::OdometryEstimate& estimate);
 
+  /// Whether the pictures have the texture by which left and right can be compared. Without it no gross fault
+  /// and no missing matches are reported.
+  void setTexture(bool suffices) { texture_suffices_ = suffices; }
+
   /// Faults with their latest numbers and what to do; empty if there is none. A gross fault hides the others,
   /// which it may cause.
   std::string message() const;
@@ -52,6 +56,7 @@ class SelfCheck {
   vo::ImageRegions still_regions_;              ///< to report
   std::optional<std::int64_t> still_since_ns_;  ///< exposure of the first pair that had some; empty: none
   vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named
+  bool texture_suffices_ = true;
   bool changed_ = false;
 };
 

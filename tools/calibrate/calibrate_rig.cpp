@@ -1,8 +1,10 @@
 // `cartvo calibrate SOURCE`: calibrates both cameras and their relative pose from views of a board.
 #include "tools/calibrate/calibrate_rig.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,6 +12,9 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
 
 #include "calib/format/rig_file.hpp"
 #include "calib/model/rig_validation.hpp"
@@ -211,6 +216,13 @@ ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibra
   return {};
 }
 
+/// Date, version, source and rig file of a report.
+std::string originOf(const Options& options) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC, cartvo {}, from {}, for the rig file {}", fmt::gmtime(now),
+                     CARTVO_VERSION, options.source.string(), options.output.string());
+}
+
 /// Calibrates, reports, and writes the rig file if the calibration passes. `before`: see rigBefore.
 /// `summary`: receives the text report.
 void calibrate(const Options& options, const calib::BoardSpec& board, const std::optional<calib::Rig>& before,
@@ -221,7 +233,8 @@ void calibrate(const Options& options, const calib::BoardSpec& board, const std:
   calibration.rejected.insert(calibration.rejected.begin(), found.views.rejected.begin(),
                               found.views.rejected.end());
   if (!options.report.empty())
-    writeResultFile(options.report, calibrationReport(calibration, reportPair(found, calibration)));
+    writeResultFile(options.report,
+                    calibrationReport(calibration, originOf(options), reportPair(found, calibration)));
   summary = calibrationText(calibration);
   std::fputs((options.json ? jsonText(calibrationJson(calibration)) : summary).c_str(), stdout);
   if (!calibration.passed()) {

@@ -87,7 +87,7 @@ void run(const Options& options) {
       examine(options.doctor, {show_area, display.observer()}, interruption.flag());
   display.end();
   print(options.json ? jsonText(findingsJson(head, examination.findings))
-                     : countsText(examination.findings) + "\n");
+                     : countsText(examination.findings) + "\n" + namesText(examination.findings));
   if (!options.report.empty())
     writeResultFile(options.report, htmlReport(head, examination.findings, examination.pictures,
                                                examination.rig ? &*examination.rig : nullptr));

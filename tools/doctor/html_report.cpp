@@ -35,10 +35,22 @@ const char* cssClass(Verdict verdict) {
   return "unchecked";
 }
 
-std::string row(const Finding& finding) {
+/// `subject`: text of its cell.
+std::string row(const Finding& finding, const std::string& subject) {
   return fmt::format("<tr><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                     cssClass(finding.verdict), verdictText(finding.verdict), escaped(finding.subject),
+                     cssClass(finding.verdict), verdictText(finding.verdict), escaped(subject),
                      escaped(finding.seen), escaped(finding.expected), escaped(finding.advice));
+}
+
+constexpr const char* kTableHead =
+    "<table><tr><th>verdict</th><th>subject</th><th>seen</th><th>expected</th><th>do</th></tr>\n";
+
+/// A table of the findings that are broken, then of those to look at; empty if there is neither.
+std::string severeTable(const Findings& findings) {
+  std::string html;
+  for (const Finding& finding : bySeverity(findings))
+    html += row(finding, finding.area + ", " + finding.subject);
+  return html.empty() ? html : kTableHead + html + "</table>\n";
 }
 
 /// A table for each area, in their order.
@@ -47,10 +59,10 @@ std::string tables(const Findings& findings) {
   for (const Finding& finding : findings) {
     if (html.empty() || finding.area != area) {
       html += (html.empty() ? "" : "</table>\n") + fmt::format("<h2>{}</h2>\n", escaped(finding.area)) +
-              "<table><tr><th>verdict</th><th>what</th><th>seen</th><th>expected</th><th>do</th></tr>\n";
+              kTableHead;
       area = finding.area;
     }
-    html += row(finding);
+    html += row(finding, finding.subject);
   }
   return html.empty() ? html : html + "</table>\n";
 }
@@ -64,7 +76,8 @@ std::string htmlReport(const ReportHead& head, const Findings& findings,
       fmt::format("<h1>cartvo doctor</h1>\n<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n",
                   escaped(head.source), escaped(head.host), escaped(head.time), escaped(head.version),
                   cssClass(worstVerdict(findings)), countsText(findings)) +
-          tables(findings) +
+          severeTable(findings) + "<details><summary>all findings, by area</summary>\n" + tables(findings) +
+          "</details>\n" +
           (pictures.empty()
                ? ""
                : "<h2>one pair of pictures</h2>\n" + pictureFigures(pictures[pictures.size() / 2], rig)));

@@ -72,11 +72,15 @@ void addSpeed(const Processed& processed, double period, FindingList& findings) 
 
 void addValidity(const Processed& processed, FindingList& findings) {
   const bool is_valid = processed.last.status == odometry_t::VALID;
-  findings.add("odometry", okIf(is_valid, Verdict::look_at),
+  // A drive may end in a bad place; without any valid pair cartvod does not work here.
+  const Verdict otherwise = processed.valid == 0 ? Verdict::broken : Verdict::look_at;
+  findings.add("odometry", okIf(is_valid, otherwise),
                {fmt::format("{} of {} pairs valid", processed.valid, processed.times.size()) +
                     (is_valid ? "" : "; the last one not: " + daemon::reasonNames(processed.last.reasons)) +
                     (processed.bound_exceeded.empty() ? "" : ": " + processed.bound_exceeded),
-                "valid within a second", "see docs/troubleshooting.md for this reason"});
+                "valid within a second",
+                "see to what is said of the pictures first; else see "
+                "/usr/share/doc/cartvo/troubleshooting.md for this reason"});
 }
 
 }  // namespace

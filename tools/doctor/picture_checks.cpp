@@ -25,9 +25,6 @@ namespace {
 
 constexpr std::size_t kMaxPairs = 10;      // that light, sharpness and rows are measured in
 constexpr double kMaxRowRms = 0.3;         // px, as 'cartvo calibrate check'
-constexpr double kMaxSaturated = 0.3;      // share: more than a bright sky
-constexpr double kMaxBlack = 0.5;          // share: more than deep shade
-constexpr double kDarkMean = 40.0;         // grey values: noise and the codec hide weak corners
 constexpr double kMaxBrightnessRatio = 2;  // of the two means: one camera has another exposure setting
 // On drives of three data sets and on rendered ones, cameras in focus have 0.69 to 1.67, after a blur of
 // 1.5 px (standard deviation) 0.35 to 0.50, of 2 px 0.32 to 0.40.
@@ -56,36 +53,31 @@ std::vector<PicturePair> sample(const std::vector<PicturePair>& pairs) {
 PictureMeasures medianMeasures(const std::vector<PicturePair>& pairs, cv::Mat PicturePair::*picture,
                                const CameraModel* camera) {
   const cv::Mat used = camera == nullptr ? cv::Mat() : camera->mask.used;
-  std::vector<double> means, blacks, saturated, sharpnesses;
+  std::vector<double> means, blacks, saturated, textures, sharpnesses;
   for (const PicturePair& pair : pairs) {
     const cv::Mat& image = pair.*picture;
     const PictureMeasures measures = measurePicture(image, used.size() == image.size() ? used : cv::Mat());
     means.push_back(measures.mean);
     blacks.push_back(measures.black);
     saturated.push_back(measures.saturated);
+    textures.push_back(measures.texture);
     if (measures.sharpness) sharpnesses.push_back(*measures.sharpness);
   }
-  PictureMeasures medians{median(means), median(blacks), median(saturated), std::nullopt};
+  PictureMeasures medians{{median(means), median(blacks), median(saturated), median(textures)}, std::nullopt};
   if (!sharpnesses.empty()) medians.sharpness = median(sharpnesses);
   return medians;
 }
 
 Finding lightOf(const char* side, const PictureMeasures& measures) {
   Finding finding{"", fmt::format("{} camera, light", side), Verdict::ok, {}, {}, {}};
-  finding.seen = fmt::format("mean {:.0f} of 255, {} black, {} white", measures.mean, percent(measures.black),
-                             percent(measures.saturated));
-  finding.expected = fmt::format("mean above {:.0f}, at most {} black and {} white", kDarkMean,
-                                 percent(kMaxBlack), percent(kMaxSaturated));
-  if (measures.mean < kDarkMean || measures.black > kMaxBlack) {
-    finding.verdict = Verdict::look_at;
-    finding.advice =
-        "is the lens covered, or is it dark? Add light, or allow more gain; an exposure longer than 1/100 s "
-        "blurs a moving picture";
-  } else if (measures.saturated > kMaxSaturated) {
-    finding.verdict = Verdict::look_at;
-    finding.advice =
-        "reduce the exposure, or turn the camera away from the light: white parts show no corners";
-  }
+  finding.seen = fmt::format("mean {:.0f} of 255, {} black, {} white, texture in {}", measures.mean,
+                             percent(measures.black), percent(measures.saturated), percent(measures.texture));
+  finding.expected = pipeline::lightLimits();
+  const pipeline::LightFault fault = pipeline::lightFault(measures);
+  if (fault == pipeline::LightFault::none) return finding;
+  finding.verdict = Verdict::look_at;
+  finding.seen += std::string("; ") + pipeline::lightFaultText(fault);
+  finding.advice = pipeline::lightAdvice(fault);
   return finding;
 }
 
@@ -235,10 +227,10 @@ Finding staticPartsOf(const std::vector<PicturePair>& pairs, cv::Mat PicturePair
     finding.seen +=
         fmt::format(", at x {} to {}, y {} to {} px", box.x, box.br().x - 1, box.y, box.br().y - 1);
     finding.advice = "switch lettering off, clean the lens, or mask the cart: 'cartvo calibrate mask'";
-  } catch (const std::runtime_error&) {
+  } catch (const std::runtime_error& error) {
     finding.verdict = Verdict::not_checked;
-    finding.seen = "these are not the pictures of a drive";
-    finding.advice = "look at the recording of a drive with 'cartvo calibrate mask'";
+    finding.seen = error.what();
+    finding.advice = "'cartvo calibrate mask' looks at all of a recording";
   }
   return finding;
 }

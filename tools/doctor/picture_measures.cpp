@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kBlurred = 0.25;   // ratio of squared gradients of a very blurred picture to its half's
 constexpr double kMinSquare = 2.0;  // square of grey values per px, mean; less is noise
-constexpr double kBlackGrey = 8.0, kWhiteGrey = 247.0;  // video's limited range reaches neither 0 nor 255
 
 /// Mean squared gradient, (grey values per px)^2.
 double meanSquaredGradient(const cv::Mat& picture, const cv::Mat& used) {
@@ -19,10 +18,6 @@ double meanSquaredGradient(const cv::Mat& picture, const cv::Mat& used) {
   cv::Sobel(picture, y, CV_32F, 0, 1, 1, 0.5);
   const cv::Mat squares = x.mul(x) + y.mul(y);
   return cv::mean(squares, used)[0];
-}
-
-double shareOf(const cv::Mat& part, const cv::Mat& used) {
-  return cv::mean(part, used)[0] / 255.0;
 }
 
 }  // namespace
@@ -42,12 +37,7 @@ double excessSharpness(double sharpness) {
 }
 
 PictureMeasures measurePicture(const cv::Mat& picture, const cv::Mat& used) {
-  PictureMeasures measures;
-  measures.mean = cv::mean(picture, used)[0];
-  measures.black = shareOf(picture <= kBlackGrey, used);
-  measures.saturated = shareOf(picture >= kWhiteGrey, used);
-  measures.sharpness = sharpnessOf(picture, used);
-  return measures;
+  return {pipeline::measureLight(picture, used), sharpnessOf(picture, used)};
 }
 
 }  // namespace cartvo::doctor

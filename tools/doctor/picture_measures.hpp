@@ -4,13 +4,13 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pipeline/picture_light.hpp"
+
 namespace cartvo::doctor {
 
 /// Light and sharpness of a picture.
-struct PictureMeasures {
-  double mean = 0.0;                    ///< grey value, 0 to 255
-  double black = 0.0, saturated = 0.0;  ///< shares of the pixels without detail, at either end
-  std::optional<double> sharpness;      ///< see sharpnessOf
+struct PictureMeasures : pipeline::PictureLight {
+  std::optional<double> sharpness;  ///< see sharpnessOf
 };
 
 /// Ratio of the squared gradients (per px of each) of a picture to those of its half: about 0.25 if it is

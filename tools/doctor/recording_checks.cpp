@@ -129,7 +129,7 @@ SourceContent readSource(const std::filesystem::path& folder, const WorkObserver
   } catch (const std::exception& error) {
     findings.add("source", Verdict::broken,
                  {error.what(), "a recording, or a sequence in KITTI's or EuRoC's layout, with its rig",
-                  "see docs/recordings.md"});
+                  "see /usr/share/doc/cartvo/recordings.md"});
   }
   return content;
 }

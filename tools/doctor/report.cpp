@@ -2,6 +2,7 @@
 #include "tools/doctor/report.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -76,6 +77,27 @@ std::string countsText(const Findings& findings) {
   return fmt::format("{} broken, {} to look at, {} ok, {} not checked", count(findings, Verdict::broken),
                      count(findings, Verdict::look_at), count(findings, Verdict::ok),
                      count(findings, Verdict::not_checked));
+}
+
+Findings bySeverity(const Findings& findings) {
+  Findings severe;
+  for (const Verdict verdict : {Verdict::broken, Verdict::look_at})
+    std::copy_if(findings.begin(), findings.end(), std::back_inserter(severe),
+                 [verdict](const Finding& finding) { return finding.verdict == verdict; });
+  return severe;
+}
+
+std::string namesText(const Findings& findings) {
+  std::string text;
+  const Finding* last = nullptr;
+  const Findings severe = bySeverity(findings);
+  for (const Finding& finding : severe) {
+    const bool starts = last == nullptr || last->verdict != finding.verdict;
+    if (starts) text += (text.empty() ? "" : "\n") + std::string(verdictText(finding.verdict)) + ": ";
+    text += (starts ? "" : "; ") + finding.area + ", " + finding.subject;
+    last = &finding;
+  }
+  return text.empty() ? text : text + "\n";
 }
 
 nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& findings) {

@@ -34,9 +34,16 @@ std::string areaText(const Findings& findings);
 /// "2 broken, 1 to look at, 31 ok, 4 not checked".
 std::string countsText(const Findings& findings);
 
+/// The findings that are broken or to look at, worst first.
+Findings bySeverity(const Findings& findings);
+
+/// "broken: left camera, login" and "look at: ...", a line for each verdict that has findings.
+std::string namesText(const Findings& findings);
+
 nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& findings);
 
-/// One self-contained HTML page for light and dark displays: the findings, and of the middle pair both
+/// One self-contained HTML page for light and dark displays: what is broken, what is to look at,
+/// all findings by area (folded), and of the middle pair both
 /// pictures and, with a `rig` (may be nullptr), their rectified overlay.
 std::string htmlReport(const ReportHead& head, const Findings& findings,
                        const std::vector<PicturePair>& pictures, const calib::Rig* rig);

@@ -39,12 +39,14 @@ void checkTimeClient(const std::string& host, std::string_view clients, FindingL
     const std::string requests = requestsOf(line);
     findings.add("time client", okIf(requests != "0", Verdict::look_at),
                  {host + " has asked this computer for the time, requests: " + requests, kExpected,
-                  "set the camera to NTP with the address of its port as the server (docs/network.md)"});
+                  "set the camera to NTP with the address of its port as the server "
+                  "(/usr/share/doc/cartvo/network.md)"});
     return;
   }
   findings.add("time client", Verdict::look_at,
                {host + " has not asked this computer for the time", kExpected,
-                "set the camera to NTP with the address of its port as the server (docs/network.md); nothing "
+                "set the camera to NTP with the address of its port as the server "
+                "(/usr/share/doc/cartvo/network.md); nothing "
                 "if another server of this network gives it the time"});
 }
 

@@ -79,8 +79,9 @@ void IntegrityMonitor::beginPair(const StereoImages& images) {
   const std::array digests{pictureDigest(images.left, masks_.left),
                            pictureDigest(images.right, masks_.right)};
   evidence_ = {};
-  evidence_.left_repeats = digests_ && digests[0] == (*digests_)[0];
-  evidence_.right_repeats = digests_ && digests[1] == (*digests_)[1];
+  // An encoder gives the uniform pictures of a covered lens without noise: they repeat with a good camera.
+  evidence_.left_repeats = digests_ && digests[0] == (*digests_)[0] && !isUniform(images.left);
+  evidence_.right_repeats = digests_ && digests[1] == (*digests_)[1] && !isUniform(images.right);
   evidence_.cannot_stop =
       !canStop(velocity_, 1e-9 * static_cast<double>(images.left_exposure_ns - velocity_ns_));
   digests_ = digests;

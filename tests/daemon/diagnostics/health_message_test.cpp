@@ -18,6 +18,7 @@ namespace {
 using namespace std::string_literals;
 using test::kEthernetFrame;
 using test::validResult;
+using ::testing::StartsWith;
 
 HealthSnapshot snapshot(std::uint64_t frames) {
   HealthSnapshot snapshot;
@@ -74,6 +75,61 @@ TEST(HealthMessage, NamesMostImportantProblem) {
   EXPECT_EQ(monitor.summarise({}, bad).problem, "right camera: the camera refused the password");
   bad.problem = "left camera: the stream is 704x576";
   EXPECT_EQ(monitor.summarise({}, bad).problem, "left camera: the stream is 704x576");
+}
+
+/// The problem after a second of pairs of the given light that are INVALID for `reason`, or VALID without.
+std::string problemOf(const std::array<pipeline::PictureLight, 2>& light, vo::OdometryReason reason,
+                      HealthSnapshot state = snapshot(18)) {
+  HealthMonitor monitor{{}};
+  pipeline::PairResult result = validResult();
+  result.light = light;
+  if (reason != vo::OdometryReason::none) {
+    result.estimate.valid = false;
+    result.estimate.reasons = reason;
+  }
+  for (int i = 0; i < 18; ++i) {
+    monitor.addPair(result, odometryMessage(result));
+    result.light.reset();  // it is measured in some pairs
+  }
+  return monitor.summarise({}, state).problem;
+}
+
+TEST(HealthMessage, NamesDarknessAndCoveredLensesWhileTheOdometryIsInvalid) {
+  const pipeline::PictureLight day{}, dusk{9.0, 0.4, 0.0, 0.1}, covered{90.0, 0.0, 0.0, 0.0};
+  constexpr auto kFewMatches = vo::OdometryReason::too_few_matches;
+  EXPECT_THAT(problemOf({dusk, dusk}, kFewMatches),
+              StartsWith("both cameras: the picture is dark: is the lens"));
+  EXPECT_THAT(problemOf({day, dusk}, kFewMatches), StartsWith("right camera: the picture is dark"));
+  EXPECT_THAT(problemOf({covered, day}, vo::OdometryReason::wrong_stereo_geometry),
+              StartsWith("left camera: the picture shows hardly any texture: is the lens covered"));
+  EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::none), "");
+  EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::offset_uncertain), "");
+  EXPECT_EQ(problemOf({day, day}, kFewMatches), "");
+}
+
+TEST(HealthMessage, NamesACoveredLensBeforeAFrozenCameraButNotBeforeAnAbsentOne) {
+  const pipeline::PictureLight covered{16.0, 0.0, 0.0, 0.0};
+  HealthSnapshot frozen = snapshot(18);
+  frozen.left.state = capture::CameraState::frozen;
+  frozen.left.last_error = "switch it off and on";
+  EXPECT_THAT(problemOf({covered, covered}, vo::OdometryReason::too_few_features, frozen),
+              StartsWith("both cameras: the picture is dark"));
+  frozen.left.state = capture::CameraState::stalled;
+  EXPECT_EQ(problemOf({covered, covered}, vo::OdometryReason::too_few_features, frozen),
+            "left camera: switch it off and on");
+}
+
+TEST(HealthMessage, BlamesTheRigOnlyIfThePicturesShowTexture) {
+  HealthMonitor monitor{{}};
+  pipeline::PairResult result = validResult();
+  result.estimate.stereo_fault = vo::StereoFault::misaligned;
+  result.light = {pipeline::PictureLight{}, pipeline::PictureLight{}};
+  monitor.addPair(result, odometryMessage(result));
+  EXPECT_THAT(monitor.summarise({}, snapshot(18)).problem,
+              StartsWith("the pictures do not fit the rig file"));
+  (*result.light)[1].texture = 0.0;
+  monitor.addPair(result, odometryMessage(result));
+  EXPECT_EQ(monitor.summarise({}, snapshot(18)).problem, "");
 }
 
 TEST(HealthMessage, SelfCheckGivesTheAdviceWhileThereIsNoFault) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "calib/format/rig_file.hpp"
 #include "lab/render/rendered_world.hpp"
@@ -90,6 +91,55 @@ TEST_F(CalibrateCheckPair, DetectsExchangedImages) {
   const test::CommandResult run = check(rig_, "right.png", "left.png", "");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("LEFT and RIGHT are exchanged"));
+}
+
+TEST_F(CalibrateCheckPair, RefusesPicturesOfOneCameraAlsoIfEncodedApart) {
+  cv::imwrite(file("again.jpg"), cv::imread(file("left.png"), cv::IMREAD_GRAYSCALE));
+  for (const char* right : {"left.png", "again.jpg"}) {
+    const test::CommandResult run = check(rig_, "left.png", right, "");
+    EXPECT_EQ(run.exit_code, 1) << right;
+    EXPECT_THAT(run.output, HasSubstr("1 of 1 pairs are the same: they are of one camera")) << right;
+  }
+}
+
+TEST_F(CalibrateCheckPair, ChecksAFolderWithoutInstants) {
+  calib::writeRig(folder_ / "rig.yaml", rig_);
+  for (const char* side : {"0", "1"}) {
+    const std::filesystem::path images = folder_ / "views" / (std::string("image_") + side);
+    std::filesystem::create_directories(images);
+    for (const char* name : {"near.png", "far.png"})
+      std::filesystem::copy_file(file(*side == '0' ? "left.png" : "right.png"), images / name);
+  }
+  const test::CommandResult run =
+      test::pipeCartvo("calibrate check " + file("rig.yaml") + " " + file("views") + " --json");
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(nlohmann::json::parse(run.output)["pairs"], 2);
+}
+
+/// Contradictions of a match 32 px below its row, in the same picture twice.
+Contradictions contradictionsIn(const cv::Mat& picture) {
+  Contradictions contradictions;
+  addContradictions(picture, picture, {{{160.0F, 100.0F}, {150.0F, 132.0F}}}, 0.3, contradictions);
+  return contradictions;
+}
+
+TEST(Contradictions, AreOfARepeatedPatternOnABoardButNotInAScene) {
+  cv::Mat board(240, 320, CV_8UC1), scene(240, 320, CV_8UC1);
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column < board.cols; ++column)
+      board.at<unsigned char>(row, column) = (row / 16 + column / 16) % 2 == 0 ? 30 : 220;
+  cv::RNG(3).fill(scene, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(scene, scene, {}, 1.5);
+  // In the scene, the match is the place to which its surroundings were moved.
+  scene(cv::Rect(140, 80, 41, 41)).copyTo(scene(cv::Rect(130, 112, 41, 41)));
+  cv::Mat right = scene.clone();
+  cv::RNG(5).fill(right(cv::Rect(0, 60, 320, 50)), cv::RNG::UNIFORM, 0, 255);
+  Contradictions moved;
+  addContradictions(scene, right, {{{160.0F, 100.0F}, {150.0F, 132.0F}}}, 0.3, moved);
+  EXPECT_EQ(moved.all, 1);
+  EXPECT_FALSE(moved.areOfARepeatedPattern());
+  EXPECT_TRUE(contradictionsIn(board).areOfARepeatedPattern());
+  EXPECT_FALSE(Contradictions().areOfARepeatedPattern());
 }
 
 TEST_F(CalibrateCheckPair, ReportsImagesWithoutTexture) {

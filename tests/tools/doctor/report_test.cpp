@@ -47,6 +47,14 @@ TEST(DoctorReport, TheWorstVerdictCounts) {
   EXPECT_EQ(worstVerdict(example()), Verdict::broken);
 }
 
+TEST(DoctorReport, NamesTheWorstFirst) {
+  EXPECT_EQ(namesText(example()), "broken: left camera, login\nlook at: left camera, wdr\n");
+  EXPECT_EQ(namesText({example()[0], example()[3]}), "");
+  const std::string html = htmlReport(kHead, example(), {}, nullptr);
+  EXPECT_LT(html.find("left camera, login"), html.find("left camera, wdr"));
+  EXPECT_LT(html.find("left camera, wdr"), html.find("<details>"));
+}
+
 TEST(DoctorReport, WritesJson) {
   const nlohmann::ordered_json json = findingsJson(kHead, example());
   EXPECT_EQ(json["verdict"], "broken");

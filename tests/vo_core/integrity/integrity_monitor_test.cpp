@@ -202,10 +202,12 @@ TEST(IntegrityMonitor, IsSafeAndRecoversAfterAnyEvidence) {
 
 constexpr std::int64_t kPeriod = 50'000'000;  // ns
 
-/// Images of one grey each, apart from a part that changes from pair to pair.
+/// Images of stripes of one grey each, apart from a part that changes from pair to pair.
 StereoImages imagesOf(int pair, int left, int right) {
   const auto image = [&](int grey) {
     cv::Mat all(64, 100, CV_8UC1, cv::Scalar(grey));
+    for (int column = 0; column < all.cols; column += 2)
+      all.col(column).setTo(grey + 100);
     all(cv::Rect(0, 0, 40, 10)).setTo(pair);
     return all;
   };
@@ -235,6 +237,18 @@ TEST(IntegrityMonitor, ComparesWholeImagesWithoutAMask) {
   monitor.beginPair(imagesOf(0, 50, 60));
   monitor.beginPair(imagesOf(1, 50, 60));
   EXPECT_FALSE(monitor.evidence().left_repeats || monitor.evidence().right_repeats);
+}
+
+TEST(IntegrityMonitor, TakesUniformImagesForThoseOfACoveredLens) {
+  IntegrityMonitor monitor{StereoMasks{}};
+  const cv::Mat covered(64, 100, CV_8UC1, cv::Scalar(16));
+  for (int pair = 0; pair < 3; ++pair) {
+    StereoImages images = imagesOf(0, 50, 60);
+    images.right = covered;
+    monitor.beginPair(images);
+    EXPECT_EQ(monitor.evidence().left_repeats, pair > 0);
+    EXPECT_FALSE(monitor.evidence().right_repeats);
+  }
 }
 
 TEST(IntegrityMonitor, BoundsBrakingFromTheLastValidMotion) {

@@ -33,6 +33,20 @@ struct Options {
   bool json = false;
 };
 
+/// Opens a source; pictures need no instants here, where their names tell the pairs.
+capture::StereoSource openPairs(const fs::path& path) {
+  try {
+    return capture::openSource(path);
+  } catch (const std::runtime_error&) {
+    using enum capture::FolderLayout;
+    const std::optional<capture::FolderLayout> layout = capture::detectImageFolder(path);
+    if (layout != kitti && layout != one_folder) throw;
+    capture::SourceSettings any_rate;
+    any_rate.frame_rate = 1.0;
+    return capture::openSource(path, any_rate);
+  }
+}
+
 using UsePair = std::function<void(const cv::Mat& left, const cv::Mat& right)>;
 
 /// Calls `use` for pairs spread evenly over the source.
@@ -43,7 +57,7 @@ void forSelectedPairs(const Options& options, const UsePair& use) {
         capture::readGreyImage(options.right, levels.right));
     return;
   }
-  capture::StereoSource source = capture::openSource(options.source);
+  capture::StereoSource source = openPairs(options.source);
   const std::size_t stride = std::max<std::size_t>(1, source.pairs / static_cast<std::size_t>(options.pairs));
   ProgressBar progress("pairs");
   std::size_t index = 0, used = 0;
@@ -61,7 +75,7 @@ calib::Rig readRigOf(const Options& options) {
   if (!options.right.empty()) {
     reading.image_size = capture::readGreyImage(options.source).size();
   } else {
-    const capture::StereoSource source = capture::openSource(options.source);
+    const capture::StereoSource source = openPairs(options.source);
     reading.cameras = source.cameras;
     if (!source.first_image.empty()) reading.image_size = capture::readGreyImage(source.first_image).size();
   }
@@ -72,6 +86,7 @@ calib::Rig readRigOf(const Options& options) {
 struct Matches {
   std::vector<calibrate::RectifiedMatch> points;
   int pairs = 0;
+  int of_one_camera = 0;  ///< of the pairs
 };
 
 Matches matchPairs(const Options& options, const calib::Rectifier& rectifier, bool exchanged) {
@@ -83,6 +98,7 @@ Matches matchPairs(const Options& options, const calib::Rectifier& rectifier, bo
     for (const calibrate::RectifiedMatch& match : calibrate::matchRectified(rectified_left, rectified_right))
       matches.points.push_back(match);
     ++matches.pairs;
+    if (calibrate::areOfOneCamera(left, right)) ++matches.of_one_camera;
   });
   return matches;
 }
@@ -97,14 +113,35 @@ std::optional<calibrate::RowCheck> checkExchanged(const Options& options, const 
   }
 }
 
+calibrate::Contradictions contradictionsOf(const Options& options, const calib::Rectifier& rectifier) {
+  calibrate::Contradictions contradictions;
+  forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
+    cv::Mat rectified_left, rectified_right;
+    rectifier.rectifyLeft(left, rectified_left);
+    rectifier.rectifyRight(right, rectified_right);
+    calibrate::addContradictions(rectified_left, rectified_right,
+                                 calibrate::matchRectified(rectified_left, rectified_right),
+                                 options.largest_rms, contradictions);
+  });
+  return contradictions;
+}
+
 void run(const Options& options) {
   const calib::Rig rig = readRigOf(options);
   const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
   const calib::Rectification& rectification = rectifier.rectification();
   const Matches matches = matchPairs(options, rectifier, false);
+  if (matches.of_one_camera > 0) {
+    throw std::runtime_error(
+        "the left and the right picture of " + std::to_string(matches.of_one_camera) + " of " +
+        std::to_string(matches.pairs) +
+        " pairs are the same: they are of one camera; give the pictures of the left and the right camera");
+  }
   calibrate::RowChecks checks{calibrate::checkRows(matches.points, matches.pairs, rectification), {}};
   const bool passes = calibrate::passes(checks.check, options.largest_rms);
-  if (!passes) checks.exchanged = checkExchanged(options, rectifier);
+  if (!passes) checks.contradictions = contradictionsOf(options, rectifier);
+  if (!passes && !checks.cannotTell(options.largest_rms))
+    checks.exchanged = checkExchanged(options, rectifier);
   const std::string report =
       options.json ? jsonText(calibrate::rowCheckJson(checks, rectification, options.largest_rms))
                    : calibrate::rowCheckText(checks, rectification, options.largest_rms);
@@ -134,9 +171,10 @@ void addCalibrateCheck(Command calibrate) {
       .captureDefault();
   command.addFlag("--json", options->json, "Report as JSON");
   command.footer(
-      "The exit code is 0 if the rig passes and 1 if not. The cart must be at a standstill if the cameras "
-      "are\n"
-      "not synchronised.\n"
+      "The exit code is 0 if the rig passes and 1 if not, or if the pictures cannot tell. The cart must be "
+      "at "
+      "a\n"
+      "standstill if the cameras are not synchronised.\n"
       "Examples:\n"
       "  cartvo calibrate check rig.yaml left.png right.png\n"
       "  cartvo calibrate check camchain.yaml euroc/V1_01_easy --pairs 50");

@@ -1,10 +1,15 @@
 // Point matches between two rectified images.
 #include "tools/calibrate/check/rectified_matches.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+
+#include "common/picture_digest.hpp"
 
 namespace cartvo::calibrate {
 namespace {
@@ -63,7 +68,66 @@ std::vector<cv::Point2f> aligned(const cv::Mat& image_from, const cv::Mat& image
   return there;
 }
 
+/// Mean absolute difference of the pictures where the right one is shifted by some columns.
+double meanDifference(const cv::Mat& left, const cv::Mat& right, int columns) {
+  const cv::Rect whole(0, 0, left.cols - columns, left.rows);
+  cv::Mat difference;
+  cv::absdiff(left(whole), right(whole + cv::Point(columns, 0)), difference);
+  return cv::mean(difference)[0];
+}
+
+constexpr int kPatchRadius = 10;       // px
+constexpr double kRowTolerance = 2.0;  // px, of a place that agrees with the rig
+constexpr double kOtherPlace = 5.0;    // px from the match
+constexpr double kEqualFit = 0.9;      // of the match's correlation
+
+cv::Rect around(const cv::Point2f& point, int x_radius, int y_radius) {
+  const cv::Point centre(point);
+  return {centre.x - x_radius, centre.y - y_radius, 2 * x_radius + 1, 2 * y_radius + 1};
+}
+
+/// Whether a place in the match's own row, in front of the cameras, fits as well as the match.
+bool fitsElsewhere(const cv::Mat& left, const cv::Mat& right, const RectifiedMatch& match) {
+  const cv::Rect whole(0, 0, right.cols, right.rows);
+  const cv::Rect patch = around(match.left, kPatchRadius, kPatchRadius);
+  const cv::Rect there = around(match.right, kPatchRadius, kPatchRadius);
+  const int rows = kPatchRadius + static_cast<int>(kRowTolerance);
+  const cv::Rect band =
+      cv::Rect(0, patch.y - static_cast<int>(kRowTolerance), patch.br().x + 1, 2 * rows + 1) & whole;
+  if ((patch & whole) != patch || (there & whole) != there || band.height < patch.height) return false;
+  cv::Mat fit, fits;
+  cv::matchTemplate(right(there), left(patch), fit, cv::TM_CCOEFF_NORMED);
+  cv::matchTemplate(right(band), left(patch), fits, cv::TM_CCOEFF_NORMED);
+  const cv::Rect match_itself =
+      cv::Rect(there.x - band.x - static_cast<int>(kOtherPlace),
+               there.y - band.y - static_cast<int>(kOtherPlace), 2 * static_cast<int>(kOtherPlace) + 1,
+               2 * static_cast<int>(kOtherPlace) + 1) &
+      cv::Rect(0, 0, fits.cols, fits.rows);
+  if (!match_itself.empty()) fits(match_itself).setTo(-1.0F);
+  double best = 0.0;
+  cv::minMaxLoc(fits, nullptr, &best);
+  return best >= kEqualFit * static_cast<double>(fit.at<float>(0));
+}
+
 }  // namespace
+
+bool areOfOneCamera(const cv::Mat& left, const cv::Mat& right) {
+  if (left.size() != right.size() || left.cols < 2 || isUniform(left)) return false;
+  constexpr double kSame = 0.5;
+  return meanDifference(left, right, 0) < kSame * meanDifference(left, left, 1);
+}
+
+void addContradictions(const cv::Mat& left, const cv::Mat& right, const std::vector<RectifiedMatch>& matches,
+                       double max_difference, Contradictions& contradictions) {
+  constexpr std::size_t kSample = 100;
+  const std::size_t stride = std::max<std::size_t>(1, matches.size() / kSample);
+  for (std::size_t i = 0; i < matches.size(); i += stride) {
+    const RectifiedMatch& match = matches[i];
+    if (std::abs(match.verticalDisparity()) <= max_difference && match.disparity() > kMinDisparity) continue;
+    ++contradictions.all;
+    if (fitsElsewhere(left, right, match)) ++contradictions.repeated;
+  }
+}
 
 std::vector<RectifiedMatch> matchRectified(const cv::Mat& left, const cv::Mat& right) {
   constexpr double kMaxShift = 3.0, kMaxReturnError = 0.1;  // px

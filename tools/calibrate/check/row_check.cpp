@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -41,10 +42,16 @@ Eigen::Vector4d rotationTerms(const RectifiedMatch& match, const calib::Rectific
 /// Fits the rotation to the vertical disparities by iteratively reweighted least squares with Cauchy's
 /// weights (P. W. Holland, R. E. Welsch, "Robust regression using iteratively reweighted least-squares",
 /// 1977).
-Eigen::Vector4d fitRotation(const std::vector<RectifiedMatch>& matches,
-                            const calib::Rectification& rectification) {
+struct RotationFit {
+  Eigen::Vector4d terms = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< per px^2 of the error of a single, mean match
+};
+
+RotationFit fitRotation(const std::vector<RectifiedMatch>& matches,
+                        const calib::Rectification& rectification) {
   constexpr int kIterations = 30;
-  Eigen::Vector4d rotation = Eigen::Vector4d::Zero();
+  RotationFit fit;
+  Eigen::Vector4d& rotation = fit.terms;
   std::vector<double> errors(matches.size());
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (std::size_t i = 0; i < matches.size(); ++i)
@@ -53,24 +60,49 @@ Eigen::Vector4d fitRotation(const std::vector<RectifiedMatch>& matches,
     const double scale = std::max(0.02, 2.385 * 1.4826 * quantile(errors, 0.5));  // px
     Eigen::Matrix4d H = 1e-9 * Eigen::Matrix4d::Identity();
     Eigen::Vector4d g = Eigen::Vector4d::Zero();
+    double weights = 0.0;
     for (std::size_t i = 0; i < matches.size(); ++i) {
       const Eigen::Vector4d terms = rotationTerms(matches[i], rectification);
       const double weight = 1.0 / (1.0 + errors[i] * errors[i] / (scale * scale));
       H += weight * terms * terms.transpose();
+      weights += weight;
       g += weight * matches[i].verticalDisparity() * terms;
     }
     rotation = H.ldlt().solve(g);
+    fit.covariance = weights * H.inverse();
   }
-  return rotation;
+  return fit;
+}
+
+/// Whether an angle of the turn is larger than its error.
+bool isSeen(const RowCheck& check, int angle) {
+  constexpr double kSignificance = 3.0;
+  return std::abs(check.turn[angle]) > kSignificance * check.turn_stddev[angle];
 }
 
 std::string turnText(const RowCheck& check) {
-  const Eigen::Vector3d degrees = kDegreesPerRadian * check.turn;
-  return format("pitch %+.3f, yaw %+.3f, roll %+.3f degrees", degrees.x(), degrees.y(), degrees.z());
+  constexpr std::array<const char*, 3> kNames{"pitch", "yaw", "roll"};
+  std::string seen, unseen;
+  for (int i = 0; i < 3; ++i) {
+    const double stddev = kDegreesPerRadian * check.turn_stddev[i];
+    if (isSeen(check, i)) {
+      seen += format("%s%s %+.3f +- %.3f", seen.empty() ? "" : ", ", kNames[i],
+                     kDegreesPerRadian * check.turn[i], stddev);
+    } else {
+      unseen += format("%s%s (+- %.3f)", unseen.empty() ? "" : ", ", kNames[i], stddev);
+    }
+  }
+  if (!seen.empty()) seen = ": " + seen + " degrees";
+  return unseen.empty() ? seen : seen + "; these rows do not show its " + unseen + " degrees";
 }
 
 std::string verdictOf(const RowChecks& checks, double max_rms) {
   const RowCheck& check = checks.check;
+  if (checks.cannotTell(max_rms)) {
+    return "CANNOT TELL: what the pictures show repeats itself, as a board does: most points that contradict "
+           "the rig file fit as well at a place that agrees with it. Take pictures of a scene with texture, "
+           "near and far";
+  }
   if (checks.areExchanged(max_rms)) {
     const std::string proof =
         checks.exchanged ? format("; exchanged, rows differ by %.2f px (RMS)", checks.exchanged->rms) : "";
@@ -79,9 +111,8 @@ std::string verdictOf(const RowChecks& checks, double max_rms) {
   if (check.rms <= max_rms) return format("PASS: rows agree within %.2f px (RMS)", max_rms);
   if (isSlightlyTurned(check, max_rms)) {
     return format(
-               "PASS, with a remark: rows differ by %.2f px (RMS), and by %.2f px once the right camera is "
-               "turned "
-               "by ",
+               "PASS, with a remark: rows differ by %.2f px (RMS), and by %.2f px after a small turn of the "
+               "right camera",
                check.rms, check.scatter) +
            turnText(check) +
            ". cartvod and replay measure and correct this turn while driving; until they have, the first "
@@ -100,7 +131,6 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
                    const calib::Rectification& rectification) {
   constexpr std::size_t kMinMatches = 30;
   constexpr double kMinGate = 0.5, kGate = 5.0;  // px; standard deviations
-  constexpr double kMinDisparity = -1.0;         // px: smaller ones are clearly negative
   const auto require = [](std::size_t count) {
     if (count < kMinMatches) {
       throw std::runtime_error(
@@ -110,7 +140,8 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
     }
   };
   require(matches.size());
-  const Eigen::Vector4d rotation = fitRotation(matches, rectification);
+  const RotationFit fit = fitRotation(matches, rectification);
+  const Eigen::Vector4d& rotation = fit.terms;
   const auto residual = [&](const RectifiedMatch& match) {
     return match.verticalDisparity() - rotationTerms(match, rectification).dot(rotation);
   };
@@ -139,6 +170,10 @@ RowCheck checkRows(const std::vector<RectifiedMatch>& matches, int pairs,
   check.scatter = rmsOf(residuals);
   // A rotation of the right camera's points moves their rows by -f (1 + y^2) pitch, f x y yaw and f x roll.
   check.turn = Eigen::Vector3d(rotation[0], -rotation[2], -rotation[1]) / rectification.focal_length;
+  constexpr double kMinRowNoise = 0.1;  // px, of good lenses
+  const Eigen::Vector4d stddev = std::max(kMinRowNoise, check.scatter) *
+                                 fit.covariance.diagonal().cwiseSqrt() / rectification.focal_length;
+  check.turn_stddev = Eigen::Vector3d(stddev[0], stddev[2], stddev[1]);
   check.in_front = in_front / static_cast<double>(rows.size());
   return check;
 }
@@ -163,6 +198,7 @@ bool passes(const RowCheck& check, double max_rms) {
 }
 
 bool RowChecks::areExchanged(double max_rms) const {
+  if (cannotTell(max_rms)) return false;
   return seemsSwapped(check) || (!passes(check, max_rms) && exchanged && passes(*exchanged, max_rms));
 }
 
@@ -194,6 +230,7 @@ nlohmann::ordered_json rowCheckJson(const RowChecks& checks, const calib::Rectif
   for (const double range : calib::kDepthDistances)
     depth.push_back({{"range_m", range}, {"error_m", depthError(design, check.rms, range)}});
   return {{"pass", passes(check, max_rms)},
+          {"cannot_tell", checks.cannotTell(max_rms)},
           {"swapped", checks.areExchanged(max_rms)},
           {"slightly_turned", isSlightlyTurned(check, max_rms)},
           {"verdict", verdictOf(checks, max_rms)},
@@ -210,6 +247,10 @@ nlohmann::ordered_json rowCheckJson(const RowChecks& checks, const calib::Rectif
            {{"pitch", kDegreesPerRadian * check.turn.x()},
             {"yaw", kDegreesPerRadian * check.turn.y()},
             {"roll", kDegreesPerRadian * check.turn.z()}}},
+          {"turn_deviation_deg",
+           {{"pitch", kDegreesPerRadian * check.turn_stddev.x()},
+            {"yaw", kDegreesPerRadian * check.turn_stddev.y()},
+            {"roll", kDegreesPerRadian * check.turn_stddev.z()}}},
           {"largest_rms_px", max_rms},
           {"in_front_share", check.in_front},
           {"depth_error", depth}};

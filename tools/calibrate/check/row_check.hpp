@@ -24,6 +24,8 @@ struct RowCheck {
   double slope = 0.0;    ///< change over the image width, caused by a roll of the right camera
   double scatter = 0.0;  ///< RMS after a rotation of the right camera is fitted: mostly matching noise
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< that rotation: about x (pitch), y (yaw), z (roll), rad
+  /// Standard deviations of `turn`, rad. Errors of lenses are alike in all matches: they count as one.
+  Eigen::Vector3d turn_stddev = Eigen::Vector3d::Zero();
   double in_front = 0.0;  ///< share of the inliers without clearly negative disparity
 };
 
@@ -47,6 +49,12 @@ bool passes(const RowCheck& check, double max_rms);
 struct RowChecks {
   RowCheck check;
   std::optional<RowCheck> exchanged;
+  Contradictions contradictions{};  ///< counted if the first one fails
+
+  /// Whether the first one fails only by matches that may be shifted along a pattern that repeats itself.
+  bool cannotTell(double max_rms) const {
+    return !passes(check, max_rms) && contradictions.areOfARepeatedPattern();
+  }
 
   /// Whether the images are exchanged: most disparities are negative, or only the exchanged images pass.
   bool areExchanged(double max_rms) const;

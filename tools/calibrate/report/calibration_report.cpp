@@ -92,14 +92,16 @@ std::string depthTable(const calib::Calibration& calibration) {
 
 }  // namespace
 
-std::string calibrationReport(const calib::Calibration& calibration, const ReportPair& pair) {
+std::string calibrationReport(const calib::Calibration& calibration, const std::string& origin,
+                              const ReportPair& pair) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
       "charset=\"utf-8\"><title>Calibration</title><style>{}</style></head>"
-      "<body>\n<h1>Calibration of two cameras</h1>\n<p>Board {}, images of {}x{} px, {} views used, model "
+      "<body>\n<h1>Calibration of two cameras</h1>\n<p>{}</p>\n<p>Board {}, images of {}x{} px, {} views "
+      "used, model "
       "{}, baseline "
       "{:.2f} mm.</p>\n",
-      kStyle, escaped(calib::boardSpecText(calibration.board)), calibration.image_size.width,
+      kStyle, escaped(origin), escaped(calib::boardSpecText(calibration.board)), calibration.image_size.width,
       calibration.image_size.height, calibration.views.size(), calib::modelName(calibration.result().model),
       1000.0 * calibration.rig().baseline());
   html += section("Validation", verdict(calibration));

@@ -15,7 +15,9 @@ struct ReportPair {
 };
 
 /// A self-contained HTML page: checks, image coverage, residuals by view, a rectified pair with lines along
-/// its rows, depth error over distance, models compared, uncertainties, rejected views.
-std::string calibrationReport(const calib::Calibration& calibration, const ReportPair& pair);
+/// its rows, depth error over distance, models compared, uncertainties, rejected views. `origin`: date,
+/// version, source and rig file, for people.
+std::string calibrationReport(const calib::Calibration& calibration, const std::string& origin,
+                              const ReportPair& pair);
 
 }  // namespace cartvo

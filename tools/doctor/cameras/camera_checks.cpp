@@ -14,7 +14,8 @@
 namespace cartvo::doctor {
 namespace {
 
-constexpr const char* kByHand = "check the settings on the camera's web page, as docs/cameras.md lists them";
+constexpr const char* kByHand =
+    "check the settings on the camera's web page, as /usr/share/doc/cartvo/cameras.md lists them";
 
 void addLoginError(const capture::IsapiError& error, CameraAnswer& answer, FindingList& findings) {
   using Kind = capture::IsapiError::Kind;

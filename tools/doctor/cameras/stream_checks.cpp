@@ -144,7 +144,7 @@ void checkReports(const StreamStatistics& statistics, FindingList& findings) {
                    kMilliseconds * *statistics.latency),
        fmt::format("{:.0f} to {:.0f} ms", kMilliseconds * kFastestLatency, kMilliseconds * kSlowestLatency),
        "the clocks of camera and computer disagree: set the camera to NTP with this computer as its "
-       "server (docs/network.md)"});
+       "server (/usr/share/doc/cartvo/network.md)"});
 }
 
 void checkDecoding(const StreamMeasurement& measurement, const StreamStatistics& statistics,
@@ -173,14 +173,16 @@ bool checkStream(const StreamMeasurement& measurement, const StreamNeeds& needs,
     findings.add(
         "stream", Verdict::broken,
         {measurement.problem.empty() ? "no picture" : measurement.problem, "pictures",
-         "see that the camera has power and its cable, and that url, username and password are right"});
+         "if the camera answers, correct what its answer names, such as the path in its url; if it does not, "
+         "see that it has power and its cable"});
     return false;
   }
   const StreamStatistics statistics = statisticsOf(measurement);
-  findings.add("stream", okIf(measurement.problem.empty(), Verdict::look_at),
-               {fmt::format("{} pictures in {:.1f} s", measurement.pictures.size(), statistics.seconds) +
-                    (measurement.problem.empty() ? "" : "; " + measurement.problem),
-                "pictures without a break", "as the text says; docs/troubleshooting.md has more"});
+  findings.add(
+      "stream", okIf(measurement.problem.empty(), Verdict::look_at),
+      {fmt::format("{} pictures in {:.1f} s", measurement.pictures.size(), statistics.seconds) +
+           (measurement.problem.empty() ? "" : "; " + measurement.problem),
+       "pictures without a break", "as the text says; /usr/share/doc/cartvo/troubleshooting.md has more"});
   checkSize(measurement, needs, findings);
   checkRate(statistics, needs, findings);
   checkIntervals(statistics, findings);

@@ -18,8 +18,9 @@ namespace {
 
 /// A text of the daemon that is empty if all is well, such as its problem.
 void addText(const char* subject, const std::string& text, FindingList& findings) {
-  findings.add(subject, okIf(text.empty(), Verdict::look_at),
-               {text.empty() ? "none" : text, "none", "see docs/troubleshooting.md for this text"});
+  findings.add(
+      subject, okIf(text.empty(), Verdict::look_at),
+      {text.empty() ? "none" : text, "none", "see /usr/share/doc/cartvo/troubleshooting.md for this text"});
 }
 
 void checkSpeed(const health_t& health, FindingList& findings) {
@@ -46,7 +47,8 @@ void checkOdometryState(const health_t& health, FindingList& findings) {
   const Verdict verdict = health.odometry_state == health_t::LOST ? Verdict::look_at : Verdict::broken;
   findings.add("odometry", okIf(measures, verdict),
                {daemon::odometryStateName(health.odometry_state), "tracking or standstill",
-                "a frozen camera: switch it off and on; lost: see docs/troubleshooting.md for the reasons"});
+                "a frozen camera: uncover its lens, or switch it off and on; lost: see "
+                "/usr/share/doc/cartvo/troubleshooting.md for the reasons"});
 }
 
 void checkOffset(const health_t& health, const daemon::Configuration& configuration, FindingList& findings) {
@@ -135,7 +137,7 @@ void checkCameraHealth(const camera_health_t& camera, const daemon::Configuratio
   findings.add("connection", okIf(is_streaming, Verdict::broken),
                {std::string(stateText(camera.state)) + ", by cartvod" +
                     (is_streaming || camera.last_error.empty() ? "" : ": " + camera.last_error),
-                "streaming", "as the text says; docs/troubleshooting.md has more"});
+                "streaming", "as the text says; /usr/share/doc/cartvo/troubleshooting.md has more"});
   if (!is_streaming) return;
   checkReceivedRate(camera, configuration, findings);
   constexpr double kMaxDamaged = 0.001;  // share of the frames

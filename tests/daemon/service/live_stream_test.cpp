@@ -203,7 +203,8 @@ TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
 
 TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
-  configuration.recording_directory = folder_ / "rig.yaml" / "recording";  // root may write anywhere else
+  configuration.recording_quota.recordings = folder_ / "rig.yaml";  // root may write anywhere else
+  configuration.recording_directory = configuration.recording_quota.recordings / "recording";
   Subscriber subscriber;
   Daemon daemon(configuration);
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });

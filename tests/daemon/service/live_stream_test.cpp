@@ -201,9 +201,16 @@ TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
   run.wait();
 }
 
+TEST_F(LiveStream, EndsAtTheStartIfTheRecordingThatWasAskedForCannotBeMade) {
+  Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
+  configuration.recording_directory = folder_ / "rig.yaml" / "recording";
+  EXPECT_THROW(Daemon{configuration}, std::runtime_error);
+}
+
 TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
-  configuration.recording_directory = folder_ / "rig.yaml" / "recording";  // root may write anywhere else
+  configuration.recording_quota.recordings = folder_ / "rig.yaml";  // root may write anywhere else
+  configuration.recording_directory = configuration.recording_quota.recordings / "recording";
   Subscriber subscriber;
   Daemon daemon(configuration);
   const auto run = std::async(std::launch::async, [&] { daemon.run(); });

@@ -31,15 +31,15 @@ void append32(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
 }
 
 SenderReport readSenderReport(std::span<const std::uint8_t> part) {
-  const std::uint32_t seconds = read32(part, 8);
+  const std::uint32_t ntp_seconds = read32(part, 8);
   const std::uint32_t fraction = read32(part, 12);
   SenderReport report;
   report.source = read32(part, 4);
   const auto fraction_us =
       static_cast<std::int64_t>((static_cast<std::uint64_t>(fraction) * 1'000'000) >> 32);
-  report.instant_us = (static_cast<std::int64_t>(seconds) - kNtpToUnix_s) * 1'000'000 + fraction_us;
+  report.instant_us = (static_cast<std::int64_t>(ntp_seconds) - kNtpToUnix_s) * 1'000'000 + fraction_us;
   report.timestamp = read32(part, 16);
-  report.ntp_middle = seconds << 16 | fraction >> 16;
+  report.ntp_middle = ntp_seconds << 16 | fraction >> 16;
   return report;
 }
 

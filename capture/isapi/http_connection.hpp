@@ -17,7 +17,7 @@ constexpr std::uint16_t kHttpPort = 80, kHttpsPort = 443;
 
 /// Where a camera answers HTTP.
 struct HttpAddress {
-  std::string host;  ///< name or address; IPv6 without brackets, its zone after '%' 
+  std::string host;  ///< name or address; IPv6 without brackets, its zone after '%'
   std::uint16_t port = kHttpPort;
   bool tls = false;
 

@@ -86,7 +86,7 @@ struct LookUp {
   Clock::time_point answered;
 };
 
-/// The look-ups that nobody has taken the answer of, by host and port. Never destroyed: a thread may outlast
+/// The look-ups whose answers were not taken yet, by host and port. Never destroyed: a thread may outlast
 /// main().
 struct LookUps {
   std::mutex mutex;

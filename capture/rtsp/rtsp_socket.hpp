@@ -12,7 +12,7 @@
 
 #include <sys/socket.h>
 
-#include "capture/rtsp/name_resolver.hpp"
+#include "capture/network/name_resolver.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 

@@ -1,6 +1,6 @@
 // Resolution of host names within a deadline, by the system's resolver in a thread.
 
-#include "capture/rtsp/name_resolver.hpp"
+#include "capture/network/name_resolver.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -59,6 +59,9 @@ struct RtspCameraSettings {
       1;  ///< slice threads; frame threads are not used, because each adds a frame of latency
 };
 
+/// Throws std::invalid_argument if the URL is none of a camera, or if a setting is out of range.
+void checkSettings(const RtspCameraSettings& settings);
+
 /// One IP camera over RTSP (RFC 2326), H.264 or H.265. Connects, and reconnects without limit. Has no thread:
 /// `read` receives and decodes in the caller's thread.
 ///

@@ -11,7 +11,7 @@
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
 #include "capture/encoded_unit.hpp"
-#include "capture/rtsp/credentials.hpp"
+#include "capture/network/credentials.hpp"
 
 // Frame source for an IP camera over RTSP.
 

@@ -10,7 +10,7 @@
 #include "capture/isapi/http_connection.hpp"
 #include "capture/isapi/isapi_answers.hpp"
 #include "capture/isapi/xml_document.hpp"
-#include "capture/rtsp/credentials.hpp"
+#include "capture/network/credentials.hpp"
 #include "capture/rtsp/digest_authentication.hpp"
 
 // Client of ISAPI, the HTTP interface of Hikvision cameras.

@@ -146,7 +146,7 @@ void AccessUnitAssembler::addNalBytes(std::span<const std::uint8_t> data, const 
     std::span<const std::uint8_t> unit = data.first(size);
     if (is_last && !ends) {
       const bool is_short = !nal_is_begun_ && unit.size() < std::max(beginning, kLongStartCode.size());
-      const std::size_t kept = is_short ? unit.size() : trailingZeros(unit, kLongStartCode.size() - 2);
+      const std::size_t kept = is_short ? unit.size() : trailingZeros(unit, kLongStartCode.size() - 1);
       held_back_.assign(unit.end() - static_cast<std::ptrdiff_t>(kept), unit.end());
       unit = unit.first(unit.size() - kept);
     } else if (!is_last) {

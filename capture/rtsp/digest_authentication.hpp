@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "capture/rtsp/credentials.hpp"
+#include "capture/network/credentials.hpp"
 
 // Authentication of RTSP requests (RFC 2326, 14; RFC 7616 Digest; RFC 7617 Basic).
 

@@ -27,21 +27,6 @@ namespace {
 using Clock = RtspSession::Clock;
 using std::chrono::milliseconds;
 
-void validate(const RtspCameraSettings& settings) {
-  checkRtspUrl(settings.url);
-  const bool times_are_valid =
-      settings.answer_timeout.count() > 0 && settings.connect_timeout.count() > 0 &&
-      settings.stall_timeout.count() > 0 && settings.frozen_after.count() > 0 &&
-      settings.first_retry.count() > 0 && settings.longest_retry >= settings.first_retry &&
-      settings.refused_retry.count() > 0 && settings.longest_refused_retry >= settings.refused_retry;
-  if (!times_are_valid) {
-    throw std::invalid_argument(
-        "a camera's time-outs must be positive, and its longest retry not shorter than its first one");
-  }
-  if (settings.decoder_threads < 1)
-    throw std::invalid_argument("a camera's decoder_threads must be at least 1");
-}
-
 /// "30 s", "0.3 s": one decimal where needed, rounded up.
 std::string inSeconds(milliseconds duration) {
   const auto tenths = (duration.count() + 99) / 100;
@@ -135,7 +120,7 @@ class PictureStream {
 class RtspCamera::Receiver {
  public:
   explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
-    validate(settings_);
+    checkSettings(settings_);
     frozen_text_.append("the camera at ").append(rtspHost(settings_.url));
     frozen_text_.append(" is frozen: it has sent the same picture for more than ");
     frozen_text_.append(inSeconds(settings_.frozen_after)).append("; switch it off and on");

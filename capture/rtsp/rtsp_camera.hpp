@@ -11,7 +11,7 @@
 #include "capture/camera_source.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
 #include "capture/encoded_unit.hpp"
-#include "capture/rtsp/credentials.hpp"
+#include "capture/network/credentials.hpp"
 
 // Frame source for an IP camera over RTSP.
 
@@ -58,6 +58,9 @@ struct RtspCameraSettings {
   int decoder_threads =
       1;  ///< slice threads; frame threads are not used, because each adds a frame of latency
 };
+
+/// Throws std::invalid_argument if the URL is none of a camera, or if a setting is out of range.
+void checkSettings(const RtspCameraSettings& settings);
 
 /// One IP camera over RTSP (RFC 2326), H.264 or H.265. Connects, and reconnects without limit. Has no thread:
 /// `read` receives and decodes in the caller's thread.

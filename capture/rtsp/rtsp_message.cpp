@@ -75,6 +75,25 @@ std::optional<RtspHead> parseRtspHead(std::string_view text) {
   return head;
 }
 
+std::optional<std::string_view> headerParameter(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const std::size_t end = header.find(';');
+    const std::string_view part = header.substr(0, end);
+    header.remove_prefix(end == std::string_view::npos ? header.size() : end + 1);
+    const std::size_t equals = part.find('=');
+    if (equals != std::string_view::npos && lowerCase(trimmed(part.substr(0, equals))) == name)
+      return trimmed(part.substr(equals + 1));
+  }
+  return std::nullopt;
+}
+
+std::optional<int> leadingNumber(std::optional<std::string_view> text) {
+  int value = 0;
+  if (!text || std::from_chars(text->data(), text->data() + text->size(), value).ec != std::errc())
+    return std::nullopt;
+  return value;
+}
+
 std::string quotedForMessage(std::string_view text) {
   std::string result(utf8Prefix(trimmed(text), kMaxQuoted));
   if (!isPrintable(result)) {

@@ -37,6 +37,13 @@ struct RtspResponse {
 /// Parses a head up to and including its empty line. Nothing if its first line is not RTSP.
 std::optional<RtspHead> parseRtspHead(std::string_view text);
 
+/// Value of a parameter of a header such as "RTP/AVP/TCP;unicast;interleaved=0-1"; nothing if it is missing.
+/// Ignores the case of the name, and blanks around name and value.
+std::optional<std::string_view> headerParameter(std::string_view header, std::string_view name);
+
+/// The number at the beginning of a text; nothing if there is none.
+std::optional<int> leadingNumber(std::optional<std::string_view> text);
+
 /// Text from the network for a message to the user: one line, printable, at most 120 bytes.
 std::string quotedForMessage(std::string_view text);
 

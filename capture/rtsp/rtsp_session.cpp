@@ -9,11 +9,11 @@
 #include <random>
 #include <system_error>
 
+#include "capture/network/udp_ports.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
 #include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_client.hpp"
 #include "capture/rtsp/session_description.hpp"
-#include "capture/rtsp/udp_ports.hpp"
 #include "common/ascii_text.hpp"
 
 namespace cartvo::capture {
@@ -34,28 +34,6 @@ constexpr int kMaxUdpBatch = 64;
 constexpr int kMaxPacketsElsewhere = 20;  ///< until the stream's channel or payload type is changed
 constexpr std::int64_t kMaxReportDistance =
     60 * 90000;  ///< RTP time between another source's report and a picture
-
-/// Value of a parameter of a header such as "RTP/AVP/TCP;unicast;interleaved=0-1"; nothing if it is missing.
-/// Ignores the case of the name, and blanks around name and value.
-std::optional<std::string_view> parameter(std::string_view header, std::string_view name) {
-  while (!header.empty()) {
-    const std::size_t end = header.find(';');
-    const std::string_view part = header.substr(0, end);
-    header.remove_prefix(end == std::string_view::npos ? header.size() : end + 1);
-    const std::size_t equals = part.find('=');
-    if (equals != std::string_view::npos && lowerCase(trimmed(part.substr(0, equals))) == name)
-      return trimmed(part.substr(equals + 1));
-  }
-  return std::nullopt;
-}
-
-/// The number at the beginning of a text; nothing if there is none.
-std::optional<int> leadingNumber(std::optional<std::string_view> text) {
-  int value = 0;
-  if (!text || std::from_chars(text->data(), text->data() + text->size(), value).ec != std::errc())
-    return std::nullopt;
-  return value;
-}
 
 /// Base of the control URLs: as the answer to DESCRIBE states it, if that is a whole URL, else the request's.
 std::string baseUrl(const RtspHead& head, const std::string& request) {
@@ -215,21 +193,21 @@ void RtspSession::Connection::setUp() {
   const RtspResponse response = client.request("SETUP", stream_url, {{"Transport", transport}}, deadline);
   requireSuccess("SETUP", response.head);
   const std::string_view answer = response.head.header("transport").value_or("");
-  if (isUdp() ? parameter(answer, "interleaved").has_value()
-              : !parameter(answer, "interleaved") && parameter(answer, "server_port")) {
+  if (isUdp() ? headerParameter(answer, "interleaved").has_value()
+              : !headerParameter(answer, "interleaved") && headerParameter(answer, "server_port")) {
     throw RtspError(RtspError::Kind::unreachable,
                     "the camera at " + rtspHost(settings.url) + " answers SETUP with another transport (" +
                         quotedForMessage(answer) + "): set cameras.transport: " + (isUdp() ? "tcp" : "udp"));
   }
   if (isUdp()) {
-    const int port = leadingNumber(parameter(answer, "server_port")).value_or(0);
+    const int port = leadingNumber(headerParameter(answer, "server_port")).value_or(0);
     if (port > 0 && port < 65535) udp->setPeer(client.socket().peer(), static_cast<std::uint16_t>(port));
   } else {
-    rtp_channel = leadingNumber(parameter(answer, "interleaved")).value_or(0);
+    rtp_channel = leadingNumber(headerParameter(answer, "interleaved")).value_or(0);
   }
   const std::string_view header = response.head.header("session").value_or("");
   session = trimmed(header.substr(0, header.find(';')));
-  const int timeout_s = leadingNumber(parameter(header, "timeout")).value_or(0);
+  const int timeout_s = leadingNumber(headerParameter(header, "timeout")).value_or(0);
   const Clock::duration timeout =
       timeout_s > 0 ? std::min(seconds(timeout_s), kMaxSessionTimeout) : kDefaultSessionTimeout;
   keep_alive_interval = timeout / 2;

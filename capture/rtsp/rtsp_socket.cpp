@@ -190,7 +190,7 @@ std::optional<RtspInput> RtspSocket::fill() {
   return input;
 }
 
-/// What the bytes at a place of the connection are the beginning of.
+/// The kind of input that begins with these bytes.
 RtspSocket::Beginning RtspSocket::beginningOf(std::string_view text) const {
   if (text[0] == '$') return beginningOfPacket(text);
   constexpr std::string_view kResponse = "RTSP/";

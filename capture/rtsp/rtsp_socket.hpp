@@ -12,10 +12,10 @@
 
 #include <sys/socket.h>
 
-#include "capture/rtsp/name_resolver.hpp"
+#include "capture/network/name_resolver.hpp"
+#include "capture/network/timed_receiver.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
-#include "capture/rtsp/timed_receiver.hpp"
 
 namespace cartvo::capture {
 

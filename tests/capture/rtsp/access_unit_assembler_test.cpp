@@ -328,5 +328,40 @@ TEST(NalUnits, ReadsExpGolombCodesAndSkipsEmulationPrevention) {
   EXPECT_TRUE(bits.isExhausted());
 }
 
+/// Delivered pictures of payloads, the last of which has the marker bit, and those of the picture after it.
+std::vector<AssembledUnit> assembled(const std::vector<Bytes>& payloads) {
+  AccessUnitAssembler assembler(VideoCodec::h264);
+  for (const Bytes& payload : payloads)
+    assembler.add({payload, 5000, 1, std::nullopt, &payload == &payloads.back(), false});
+  const Bytes next = {kSlice, kFirst, 9};
+  assembler.add({next, 10000, 2, std::nullopt, true, false});
+  std::vector<AssembledUnit> units;
+  while (std::optional<AssembledUnit> unit = assembler.popUnit())
+    units.push_back(std::move(*unit));
+  return units;
+}
+
+TEST(AccessUnitAssembler, SplitsPayloadsAtStartCodes) {
+  const Bytes expected = {0,    0, 0, 1, 0x67, 1, 2, 0,         0,      0, 1,
+                          0x68, 3, 4, 0, 0,    0, 1, kKeySlice, kFirst, 5, 6};
+  const Bytes all(expected.begin() + 4, expected.end());
+  for (std::size_t cut = 2; cut + 1 < all.size(); ++cut) {
+    Bytes begin = {0x7c, 0x87};  // FU-A of the parameter set's type
+    begin.insert(begin.end(), all.begin() + 1, all.begin() + static_cast<std::ptrdiff_t>(cut));
+    Bytes end = {0x7c, 0x47};
+    end.insert(end.end(), all.begin() + static_cast<std::ptrdiff_t>(cut), all.end());
+    const std::vector<AssembledUnit> units = assembled({begin, end});
+    ASSERT_EQ(units.size(), 1U) << cut;
+    EXPECT_EQ(units[0].data, expected) << cut;
+  }
+  for (const std::vector<Bytes>& payloads :
+       {std::vector<Bytes>{all}, std::vector<Bytes>{expected},
+        std::vector<Bytes>{{0, 0, 1, 0x67, 1, 2}, {0, 0, 0, 1, 0x68, 3, 4}, {kKeySlice, kFirst, 5, 6}}}) {
+    const std::vector<AssembledUnit> units = assembled(payloads);
+    ASSERT_EQ(units.size(), 1U);
+    EXPECT_EQ(units[0].data, expected);
+  }
+}
+
 }  // namespace
 }  // namespace cartvo::capture

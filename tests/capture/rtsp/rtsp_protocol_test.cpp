@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/network/name_resolver.hpp"
 #include "capture/rtsp/digest_authentication.hpp"
-#include "capture/rtsp/name_resolver.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
 #include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_message.hpp"

@@ -1,6 +1,6 @@
 // Arrival of what is read late.
 
-#include "capture/rtsp/timed_receiver.hpp"
+#include "capture/network/timed_receiver.hpp"
 
 #include <array>
 

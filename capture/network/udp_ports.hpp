@@ -8,7 +8,7 @@
 
 #include <sys/socket.h>
 
-#include "capture/rtsp/timed_receiver.hpp"
+#include "capture/network/timed_receiver.hpp"
 
 namespace cartvo::capture {
 

@@ -1,6 +1,6 @@
 // Resolution of host names within a deadline, by the system's resolver in a thread.
 
-#include "capture/rtsp/name_resolver.hpp"
+#include "capture/network/name_resolver.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -86,7 +86,7 @@ struct LookUp {
   Clock::time_point answered;
 };
 
-/// The look-ups that nobody has taken the answer of, by host and port. Never destroyed: a thread may outlast
+/// The look-ups whose answers were not taken yet, by host and port. Never destroyed: a thread may outlast
 /// main().
 struct LookUps {
   std::mutex mutex;

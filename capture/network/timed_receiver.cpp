@@ -1,6 +1,6 @@
 // Reading of a socket with the kernel's time stamps.
 
-#include "capture/rtsp/timed_receiver.hpp"
+#include "capture/network/timed_receiver.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // UDP sockets for RTP and RTCP.
 
-#include "capture/rtsp/udp_ports.hpp"
+#include "capture/network/udp_ports.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -10,7 +10,7 @@
 #include <netinet/in.h>
 #include <unistd.h>
 
-#include "capture/rtsp/name_resolver.hpp"
+#include "capture/network/name_resolver.hpp"
 
 namespace cartvo::capture {
 namespace {

@@ -71,7 +71,8 @@ TEST_F(TrafficLightTest, SaysWhyPicturesGiveNoMotion) {
   EXPECT_EQ(light().light, Light::invalid);
   EXPECT_THAT(light().cause, HasSubstr("too few features: "));
   EXPECT_EQ(light().topic, "too few features");
-  state_.reasons = odometry_t::REASON_NO_PAIR | odometry_t::REASON_WRONG_SIZE;
+  state_.reasons = odometry_t::REASON_NO_PAIR;
+  state_.reasons |= odometry_t::REASON_WRONG_SIZE;
   EXPECT_EQ(light().topic, "wrong picture size") << "why there is no pair";
   state_.reasons = odometry_t::REASON_BOUND;
   state_.health.bound_exceeded = "yaw rate is known to 4.10 deg/s, alert limit 3.00 deg/s";

@@ -139,10 +139,11 @@ std::string clockProblem(const Trajectory& estimate, const Trajectory& truth) {
   const double step = std::max(kMinStep, std::max(duration(estimate), duration(truth)) / kMaxSteps);
   const Profile of_estimate = profileOf(estimate, step), of_truth = profileOf(truth, step);
   const double start = seconds(estimate.front().time_ns - truth.front().time_ns);
+  const Agreement without_axes = bestAgreement(withoutAxes(of_estimate), withoutAxes(of_truth), step, start);
   Agreement found = bestAgreement(of_estimate, of_truth, step, start);
-  if (found.correlation < kMinCorrelation)
-    found = bestAgreement(withoutAxes(of_estimate), withoutAxes(of_truth), step, start);
-  constexpr double kAllowance = 0.02, kFactor = 3.0;  // of the present disagreement
+  if (found.correlation < kMinCorrelation) found = without_axes;
+  found.present = std::max(found.present, without_axes.present);  // turned axes are no matter of the clock
+  constexpr double kAllowance = 0.002, kFactor = 3.0;             // of the present disagreement
   const bool is_significant = found.correlation >= kMinCorrelation && std::abs(found.offset) >= kMinOffset &&
                               1.0 - found.present > kAllowance + kFactor * (1.0 - found.correlation);
   if (!is_significant) return {};

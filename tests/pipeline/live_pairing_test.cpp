@@ -26,6 +26,8 @@ capture::Frame frameOf(std::int64_t exposure_ns, std::int64_t arrival_ns) {
 /// Both cameras' frames of some seconds, which arrive each period.
 class TwoCameras {
  public:
+  TwoCameras() : pairing(capture::PairSynchroniserSettings(), cv::Size(4, 4)) {}
+
   using Change = std::function<void(std::int64_t index, capture::Frame& right)>;
 
   void run(double seconds, const Change& change) {
@@ -39,7 +41,7 @@ class TwoCameras {
     }
   }
 
-  LivePairing pairing{{}, {4, 4}};
+  LivePairing pairing;
 
  private:
   std::int64_t index_ = 1;

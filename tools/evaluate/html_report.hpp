@@ -8,7 +8,7 @@
 
 namespace cartvo {
 
-/// What a report was made from, apart from the estimates.
+/// Origin of a report apart from the estimates.
 struct ReportContext {
   std::string truth;                  ///< name of its file
   std::string date;                   ///< of the report

@@ -163,7 +163,8 @@ static double next_authority(double authority, bool usable, double cycle_s) {
 }
 
 int main(int argument_count, char** arguments) {
-  const char* url = argument_count > 1 ? arguments[1] : NULL;  // LCM_DEFAULT_URL, else udpm://239.255.76.67:7667
+  const char* url =
+      argument_count > 1 ? arguments[1] : NULL;  // LCM_DEFAULT_URL, else udpm://239.255.76.67:7667
   lcm_t* lcm = lcm_create(url);
   if (lcm == NULL) {
     fprintf(stderr, "cannot open LCM at %s: check that a multicast route exists, see cartvod(8)\n",

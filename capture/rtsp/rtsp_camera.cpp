@@ -1,5 +1,4 @@
 // IP camera over RTSP: connection state machine, assembly, timestamping and decoding.
-
 #include "capture/rtsp/rtsp_camera.hpp"
 
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include <deque>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "capture/clock/frame_period_estimator.hpp"
@@ -19,6 +17,7 @@
 #include "capture/rtsp/loss_detector.hpp"
 #include "capture/rtsp/rtsp_session.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
+#include "common/exact_text.hpp"
 #include "common/image_size.hpp"
 
 namespace cartvo::capture {
@@ -29,10 +28,7 @@ using std::chrono::milliseconds;
 
 /// "30 s", "0.3 s": one decimal where needed, rounded up.
 std::string inSeconds(milliseconds duration) {
-  const auto tenths = (duration.count() + 99) / 100;
-  std::string text = std::to_string(tenths / 10);
-  if (tenths % 10 != 0) text.append(1, '.').append(std::to_string(tenths % 10));
-  return text.append(" s");
+  return roundedText(std::ceil(0.01 * static_cast<double>(duration.count())) / 10.0) + " s";
 }
 
 /// Converts the packets of one connection into numbered, timestamped units, and these into frames.
@@ -368,9 +364,7 @@ class RtspCamera::Receiver {
   FrozenPictureDetector frozen_detector_;
   std::string frozen_text_;
   bool streaming_ = false;  ///< this connection has delivered a frame
-  Clock::time_point connected_at_;
-  Clock::time_point frame_deadline_;
-  Clock::time_point next_attempt_;
+  Clock::time_point connected_at_, frame_deadline_, next_attempt_;
   std::uint64_t next_sequence_ = 0;
   int failures_ = 0;
   int refusals_ = 0;

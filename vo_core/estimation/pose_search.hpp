@@ -40,7 +40,7 @@ struct PoseProblem {
   Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();   ///< centre of the motion gate
   std::vector<PosePoint> points;
   /// By image cell: number of all landmarks that were searched for, at their last place, and of those without
-  /// a depth that have been found and have kept it.
+  /// a depth that have been found near it.
   std::array<int, kCells> searched{}, still_without_depth{};
   /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
   /// patch is ignored: a gate that opens for blurred patches admits wrong matches

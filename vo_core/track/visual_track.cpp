@@ -9,6 +9,7 @@
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
@@ -334,7 +335,7 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   for (const Landmark& landmark : landmarks_)
     ++problem.searched[cellOf(camera_, landmark.last().left)];
   for (const Landmark& landmark : draft.landmarks)
-    if (!landmark.hasDepth() && landmark.lastFlow() < kStillFlow)
+    if (!landmark.hasDepth() && landmark.lastFlow() < still_regions::kMovedFlow)
       ++problem.still_without_depth[cellOf(camera_, landmark.last().left)];
   if (timing_.isRolling()) addRowNoise(draft);
 }

@@ -90,7 +90,8 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
         "in seconds; --offset of 'cartvo evaluate' adds to the estimate's instants" +
         (problem.empty() ? "" : ". " + problem));
   }
-  if (!problem.empty()) associated.problems.push_back(problem);
+  associated.clocks_differ = !problem.empty();
+  if (associated.clocks_differ) associated.problems.push_back(problem);
   return associated;
 }
 

@@ -91,7 +91,8 @@ AssociatedTrajectories associateByTime(const Trajectory& estimate, const Traject
         "instants" +
         (problem.empty() ? "" : ". " + problem));
   }
-  if (!problem.empty()) associated.problems.push_back(problem);
+  associated.clocks_differ = !problem.empty();
+  if (associated.clocks_differ) associated.problems.push_back(problem);
   return associated;
 }
 

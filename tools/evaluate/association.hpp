@@ -33,6 +33,7 @@ struct AssociatedTrajectories {
   Trajectory truth;                   ///< as many poses as `estimate`
   std::size_t unmatched = 0;          ///< poses of the estimate without a truth
   bool is_aligned = false;            ///< the estimate was fitted to the truth's world, see fitEstimate
+  bool clocks_differ = false;         ///< as one of the problems says
   double scale = 1.0;                 ///< by which the estimate's path was multiplied
   std::vector<std::string> problems;  ///< of clocks and frames, with the remedies
 };

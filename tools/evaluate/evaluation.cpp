@@ -140,6 +140,7 @@ Evaluation evaluate(const AssociatedTrajectories& associated) {
   evaluation.aligned_axes = alignedAxes(associated);
   if (associated.scale != 1.0) evaluation.scale = associated.scale;
   evaluation.problems = associated.problems;
+  if (associated.clocks_differ) return evaluation;  // poses of other instants tell nothing about conventions
   if (std::string problem = conventionProblem(associated, evaluation); !problem.empty())
     evaluation.problems.push_back(std::move(problem));
   return evaluation;

@@ -291,6 +291,7 @@ ReportInput inputOf(const AssociatedTrajectories& associated) {
   ReportInput input;
   input.associated = associated;
   input.evaluation = evaluate(associated);
+  input.view = TopView::body_axes;
   return input;
 }
 

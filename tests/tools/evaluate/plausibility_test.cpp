@@ -39,6 +39,8 @@ TEST(ClockProblem, NamesTheOffsetOfOverlappingFiles) {
               AllOf(HasSubstr("GPS time is ahead of UTC"), HasSubstr("--offset 18.00")));
   EXPECT_THAT(problemsOf(associateByTime(estimate, delayed(estimate, -1.5))), HasSubstr("--offset -1.50"));
   EXPECT_EQ(problemsOf(associateByTime(estimate, estimate)), "");
+  EXPECT_THAT(problemsOf(associateByTime(rotateAxes(estimate, {3.14159, 0.0, 0.0}), estimate)),
+              AllOf(HasSubstr("the axes of the two files"), ::testing::Not(HasSubstr("clocks"))));
   EXPECT_EQ(problemsOf(associateByTime(scaled(estimate, 1.1), estimate)), "");
 }
 

@@ -147,11 +147,13 @@ std::string clockProblem(const Trajectory& estimate, const Trajectory& truth) {
   const bool is_significant = found.correlation >= kMinCorrelation && std::abs(found.offset) >= kMinOffset &&
                               1.0 - found.present > kAllowance + kFactor * (1.0 - found.correlation);
   if (!is_significant) return {};
-  const std::string present = found.present <= -1.0 ? "" : fmt::format(", without {:.2f}", found.present);
+  constexpr double kWhole = 0.05;  // s; the conventions of clocks differ by whole seconds
+  if (std::abs(found.offset - std::round(found.offset)) < kWhole) found.offset = std::round(found.offset);
+  const std::string present = found.present <= -1.0 ? "" : fmt::format(", without {:.4f}", found.present);
   return fmt::format(
       "the clocks of the two files differ: speeds and rates agree with {:+.2f} s added to the estimate's "
       "instants "
-      "(correlation {:.2f}{}): {}; compare with --offset {:.2f}",
+      "(correlation {:.4f}{}): {}; compare with --offset {:.2f}",
       found.offset, found.correlation, present, reasonOf(found.offset), found.offset);
 }
 

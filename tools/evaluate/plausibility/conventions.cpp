@@ -45,12 +45,13 @@ constexpr std::array<Reading, 3> kReadings{
       "them"}}};
 
 /// Disagreement of short segments once the axes are aligned: translation and, at the distance of a segment's
-/// length, rotation. Empty without a segment.
+/// length, rotation. Of readings that differ by turned axes, those with less of a turn agree better. Empty
+/// without a segment.
 std::optional<double> disagreement(const std::optional<AlignedAxes>& aligned) {
-  constexpr double kDistance = 5.0;  // m
+  constexpr double kDistance = 5.0, kPerTurn = 1e-3;  // m, 1/rad
   if (!aligned) return std::nullopt;
   const SegmentErrors& errors = aligned->short_segments.all;
-  return errors.translation + kDistance * errors.rotation;
+  return errors.translation + kDistance * errors.rotation + kPerTurn * aligned->rotation.norm();
 }
 
 AssociatedTrajectories reread(AssociatedTrajectories associated, bool is_estimate, const Reading& reading) {

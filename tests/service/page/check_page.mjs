@@ -50,7 +50,7 @@ const showsSomething = (id) => {
 async function checkLoadsAndUpdates(page) {
   await until(page, isValid);
   await page.locator('#details').evaluate((details) => { details.open = true; });
-  assert.match(await text(page, 'speed-now'), /^-?\d+\.\d\d$/);
+  await until(page, () => /^-?\d+\.\d\d$/.test(document.getElementById('speed-now').textContent));
   for (const side of ['left', 'right']) await until(page, (id) => /^\d+\.\d Hz ✓$/.test(document.getElementById(id).textContent), `${side}-state`);
   await until(page, () => /^Pair \d+: \d+ landmarks, \d+ also in the right picture/.test(document.getElementById('picture-text').textContent));
   for (const id of ['picture', 'plan', 'speed', 'rates', 'latency']) await until(page, showsSomething, id);

@@ -140,17 +140,19 @@ void copyWhere(const PoseProblem& problem, const Condition& condition, PoseProbl
   std::erase_if(part.points, std::not_fn(condition));
 }
 
-/// Share of the landmarks of an image cell that agree with a standstill, mean of the cells with landmarks:
-/// those that are lost do not.
+/// Share of the inliers in an image cell, mean of the cells with points.
 double meanCellRatio(const PoseProblem& problem) {
-  std::array<int, kCells> agreeing = problem.still_without_depth;
-  for (const PosePoint& point : problem.points)
-    agreeing[cellOf(problem.camera, point.left)] += point.inlier ? 1 : 0;
+  std::array<int, kCells> all{}, inliers{};
+  for (const PosePoint& point : problem.points) {
+    const int cell = cellOf(problem.camera, point.left);
+    ++all[cell];
+    inliers[cell] += point.inlier ? 1 : 0;
+  }
   double sum = 0.0;
   int occupied = 0;
   for (int cell = 0; cell < kCells; ++cell) {
-    if (problem.searched[cell] == 0) continue;
-    sum += std::min(1.0, static_cast<double>(agreeing[cell]) / problem.searched[cell]);
+    if (all[cell] == 0) continue;
+    sum += static_cast<double>(inliers[cell]) / all[cell];
     ++occupied;
   }
   return occupied > 0 ? sum / occupied : 0.0;

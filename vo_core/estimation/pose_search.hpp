@@ -1,14 +1,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
-#include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -39,9 +37,6 @@ struct PoseProblem {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< first guess of T_world_camera
   Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();   ///< centre of the motion gate
   std::vector<PosePoint> points;
-  /// By image cell: number of all landmarks that were searched for, at their last place, and of those without
-  /// a depth that have been found near it.
-  std::array<int, kCells> searched{}, still_without_depth{};
   /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
   /// patch is ignored: a gate that opens for blurred patches admits wrong matches
   /// (docs/architecture.md).
@@ -69,9 +64,8 @@ struct AlternativePose {
 /// Number of inliers that have kept their place in the image.
 int countStillInliers(const PoseProblem& searched);
 
-/// Whether most inliers have kept their place in the image, but less than half of the image agrees, in which
-/// landmarks that are lost do not agree: a part of the cart or dirt on the lens seems to stand at any motion,
-/// and fits a standstill exactly.
+/// Whether most inliers have kept their place in the image, but less than half of the image agrees: a part of
+/// the cart or dirt on the lens seems to stand at any motion, and fits a standstill exactly.
 bool isFixedToImage(const PoseProblem& searched, const FoundPose& found);
 
 /// Share of the weight from which a pose is unambiguous: the outliers have half of its weight at most. The

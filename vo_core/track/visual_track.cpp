@@ -9,8 +9,6 @@
 #include "vo_core/estimation/bundle_noise.hpp"
 #include "vo_core/estimation/window_problems.hpp"
 #include "vo_core/estimation/window_uncertainty.hpp"
-#include "vo_core/fixed_constants.hpp"
-#include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
@@ -330,13 +328,6 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
-  problem.searched.fill(0);
-  problem.still_without_depth.fill(0);
-  for (const Landmark& landmark : landmarks_)
-    ++problem.searched[cellOf(camera_, landmark.last().left)];
-  for (const Landmark& landmark : draft.landmarks)
-    if (!landmark.hasDepth() && landmark.lastFlow() < still_regions::kMovedFlow)
-      ++problem.still_without_depth[cellOf(camera_, landmark.last().left)];
   if (timing_.isRolling()) addRowNoise(draft);
 }
 

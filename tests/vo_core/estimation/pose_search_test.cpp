@@ -249,27 +249,6 @@ TEST(PoseSearch, AlternativeIsComparedWithoutThePointsThatFitBoth) {
   }
 }
 
-/// Points in the lowest quarter of the image keep their place; two landmarks in each other cell are lost, or
-/// have no depth and keep theirs, too.
-TEST(PoseSearch, LostLandmarksDoNotAgreeWithAStandstill) {
-  PoseProblem problem;
-  problem.camera = kRigCamera;
-  for (int cell = 0; cell < kCells; ++cell) {
-    problem.searched[cell] = 2;
-    if (cell < kCells * 3 / 4) continue;
-    PosePoint point;
-    const double column = cell % kCellColumns + 0.5, row = cell / kCellColumns + 0.5;
-    point.left = {column * kRigCamera.width / kCellColumns, row * kRigCamera.height / kCellRows};
-    point.still = point.inlier = true;
-    problem.points.insert(problem.points.end(), 2, point);
-  }
-  const FoundPose found{Eigen::Isometry3d::Identity(), static_cast<int>(problem.points.size()), 1.0};
-  EXPECT_TRUE(isFixedToImage(problem, found));
-  for (int cell = 0; cell < kCells * 3 / 4; ++cell)
-    problem.still_without_depth[cell] = 2;
-  EXPECT_FALSE(isFixedToImage(problem, found));
-}
-
 TEST(PoseSearch, ScatteredMatchesHaveNoAlternative) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
     PoseProblem problem = simulateStreet({.scattered = 0.45}, seed);

@@ -93,7 +93,7 @@ TEST_F(CalibrationPage, AnswersOnlyGetRequestsForANumericHostOrLocalhost) {
   EXPECT_EQ(asked_as("[::1]:8600"), 200);
   EXPECT_EQ(asked_as("attacker.example"), 403);
   EXPECT_EQ(asked_as("127.0.0.1.attacker.example:8600"), 403);
-  EXPECT_EQ(browser_.Post("/state.json", "x", "text/plain")->status, 403);
+  EXPECT_EQ(browser_.Post("/state.json", "x", "text/plain")->status, 405);
   EXPECT_EQ(browser_.Get("/../etc/passwd")->status, 404);
 }
 

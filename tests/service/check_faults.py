@@ -202,7 +202,7 @@ def route(action):
 
 
 def no_lcm(drive):
-    """No route for LCM at the start: an error that names the remedy. Lost later: cartvod goes on and sends again."""
+    """No route for LCM at the start: an error that names the remedy. Lost later: it is said, and messages go on."""
     route("delete")
     daemon = drive.start()
     assert daemon.wait() == 1
@@ -212,9 +212,8 @@ def no_lcm(drive):
     daemon = drive.start_valid(environment=manager.environment())
     route("delete")
     begin = time.time()
-    daemon.await_log("messages could not be sent")
-    assert not drive.listener.valid_since(begin + 0.5)
-    time.sleep(1.0)
+    daemon.await_log("the route for LCM's multicast group 239.255.76.67 is gone")
+    drive.await_valid(begin + 0.5)
     assert manager.fed_s_ago() < WATCHDOG_S and daemon.process.poll() is None
     route("add")
     drive.await_valid(time.time())
@@ -277,6 +276,7 @@ def unlike_rates(drive):
     drive.await_health("set both to the same frame rate")
     time.sleep(CONTENT_S)
     other.stop()
+    drive.drives.clear()  # the right camera shows another instant of the drive, so that there is no truth to hold the messages to
 
 
 FAULTS = [stuck_stage, out_of_memory, full_disk, killed, cameras_gone, no_lcm, broken_reload, second_daemon, swapped_cameras,

@@ -95,9 +95,7 @@ RtspInput RtspClient::receiveResponse(Clock::time_point deadline) {
     if (interrupted_) throw RtspError(RtspError::Kind::interrupted, "interrupted");
     if (input.kind == RtspInput::Kind::interleaved) {
       on_packet_(input);
-    } else if (input.kind != RtspInput::Kind::message) {
-      return input;
-    } else if (input.head.status >= 200) {
+    } else if (input.kind != RtspInput::Kind::message || input.head.status >= 200) {
       return input;  // requests are answered one by one; some cameras state a wrong CSeq
     } else if (input.head.status == 0) {
       answerRequest(input.head, deadline);

@@ -220,7 +220,7 @@ HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_poi
 }
 
 HealthAnswer readyAnswer(const DaemonState& state, DaemonState::Clock::time_point now) {
-  const HealthAnswer answer = healthAnswer(state, now);
+  HealthAnswer answer = healthAnswer(state, now);
   if (!answer.is_healthy) return answer;
   const health_t& health = state.health;
   for (const auto& [name, camera] : {std::pair("left", &health.left), std::pair("right", &health.right)}) {

@@ -278,7 +278,7 @@ void Daemon::Implementation::watchRoute() {
   route_ = route;
   if (!route.interface.empty())
     spdlog::info("LCM: the route for {} goes through {}", route.address, route.interface);
-  if (const std::string warning = multicastWarning(route); !warning.empty()) spdlog::warn(warning);
+  if (const std::string warning = multicastWarning(route); !warning.empty()) warnings_.warn(warning);
 }
 
 void Daemon::Implementation::publishHealth(Clock::time_point now) {

@@ -34,7 +34,7 @@ void ServiceManager::feedWatchdog() {
   last_fed_ = now;
   // systemd arms the watchdog at READY=1. Until then extend the start time-out, so that cameras may be absent
   // for any time but a stalled stage is still detected.
-  sd_notify(0, is_ready_ ? "WATCHDOG=1" : "EXTEND_TIMEOUT_USEC=30000000");
+  sd_notify(0, is_ready_ ? "WATCHDOG=1" : "WATCHDOG=1\nEXTEND_TIMEOUT_USEC=30000000");
 }
 
 void ServiceManager::triggerWatchdog() {

@@ -3,7 +3,6 @@
 #include "capture/rtsp/rtsp_session.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <optional>
 #include <random>
@@ -38,7 +37,7 @@ constexpr std::int64_t kMaxReportDistance =
 /// Base of the control URLs: as the answer to DESCRIBE states it, if that is a whole URL, else the request's.
 std::string baseUrl(const RtspHead& head, const std::string& request) {
   for (const std::string_view name : {"content-base", "content-location"}) {
-    const std::string base(head.header(name).value_or(""));
+    std::string base(head.header(name).value_or(""));
     if (lowerCase(base).starts_with("rtsp://")) return base;
   }
   return request;
@@ -196,8 +195,9 @@ void RtspSession::Connection::setUp() {
   if (isUdp() ? headerParameter(answer, "interleaved").has_value()
               : !headerParameter(answer, "interleaved") && headerParameter(answer, "server_port")) {
     throw RtspError(RtspError::Kind::unreachable,
-                    "the camera at " + rtspHost(settings.url) + " answers SETUP with another transport (" +
-                        quotedForMessage(answer) + "): set cameras.transport: " + (isUdp() ? "tcp" : "udp"));
+                    "the camera at " + rtspHost(settings.url) + " answers SETUP with another transport" +
+                        (client.socket().quotes() ? " (" + quotedForMessage(answer) + ")" : "") +
+                        ": set cameras.transport: " + (isUdp() ? "tcp" : "udp"));
   }
   if (isUdp()) {
     const int port = leadingNumber(headerParameter(answer, "server_port")).value_or(0);
@@ -345,7 +345,9 @@ std::optional<RtspSession::Outcome> RtspSession::Connection::receiveInput(Clock:
     case RtspInput::Kind::message:
       if (input.head.status >= 402) keep_alive_method = "OPTIONS";  // it does not know GET_PARAMETER
       if (client.takeResponse(input.head, Clock::now() + settings.stall_timeout)) break;
-      reason = "it refuses to keep the session alive (" + statusText(input.head) + ")";
+      reason = input.head.status == 0
+                   ? "it takes no answer to its own requests"
+                   : "it refuses to keep the session alive (" + statusText(input.head) + ")";
       return Outcome::lost;
     case RtspInput::Kind::closed:
       reason = input.reason;

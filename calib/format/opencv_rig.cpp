@@ -9,6 +9,7 @@
 
 #include "calib/format/rig_parts.hpp"
 #include "calib/model/rig_validation.hpp"
+#include "common/ascii_text.hpp"
 #include "common/exact_text.hpp"
 #include "common/image_size.hpp"
 #include "common/strict_yaml.hpp"
@@ -62,8 +63,7 @@ class OpenCvFiles {
 };
 
 bool containsAny(std::string text, std::initializer_list<const char*> words) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  text = lowerCase(text);
   return std::any_of(words.begin(), words.end(),
                      [&text](const char* word) { return text.find(word) != std::string::npos; });
 }
@@ -81,6 +81,10 @@ std::optional<LensModel> namedLens(const OpenCvFiles& files) {
   if (containsAny(name->text(), {"fisheye", "equidistant", "kannala", "kb4"})) return LensModel::wide;
   if (containsAny(name->text(), {"pinhole", "brown", "radtan", "radial", "plumb", "rational", "opencv"}))
     return LensModel::brown;
+  // These keys may name a product, too.
+  const bool is_lens = files.findAny({"distortion_model", "lens_model"}) ||
+                       containsAny(name->text(), {"omni", "mei", "double", "eucm", "unified"});
+  if (!is_lens) return std::nullopt;
   name->failExpecting("a pinhole with Brown's distortion (brown), or cv::fisheye's (fisheye)");
 }
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "common/input_file.hpp"
+#include "common/files/foreign_format.hpp"
 
 namespace cartvo::calib {
 
@@ -169,8 +169,7 @@ bool isOf(const OtherTool& tool, std::string_view text, const std::string& name)
 
 }  // namespace
 
-void refuseOtherRigs(const std::string& bytes, const std::filesystem::path& file) {
-  const std::string text = withoutByteOrderMark(bytes);
+void refuseOtherRigs(const std::string& text, const std::filesystem::path& file) {
   if (text.find("cartvo_rig") != std::string::npos) return;
   const auto fail = [&file](const std::string& problem) {
     throw std::runtime_error(file.string() + ": " + problem);
@@ -179,6 +178,7 @@ void refuseOtherRigs(const std::string& bytes, const std::filesystem::path& file
     if (!isOf(tool, text, file.filename().string())) continue;
     fail("is of " + std::string(tool.tool) + ", a format that is not read: " + tool.target + tool.conversion);
   }
+  if (const std::string format = foreignFormat(file); !format.empty()) fail(format);
   if (text.find('\0') != std::string::npos)
     fail(std::string("is a binary file; expected ") + kKnownRigFormats);
 }

@@ -90,9 +90,9 @@ Rig importedRig(Rig rig, const std::filesystem::path& file) {
 
 StrictYaml readYamlOrXml(const std::filesystem::path& file) {
   constexpr std::uintmax_t kMaxBytes = 64U << 20U;  // of MATLAB's and other binary files, to name them
-  std::string bytes = readInputFile(file, kMaxBytes);
-  refuseOtherRigs(bytes, file);
-  const std::string text = firstMessage(withoutByteOrderMark(std::move(bytes)));
+  std::string content = withoutByteOrderMark(readInputFile(file, kMaxBytes));
+  refuseOtherRigs(content, file);
+  const std::string text = firstMessage(std::move(content));
   constexpr std::size_t kMaxText = 1U << 20U;
   if (text.size() > kMaxText)
     throw std::runtime_error(file.string() + ": is larger than 1 MiB; expected " + kKnownRigFormats);

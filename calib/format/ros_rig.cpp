@@ -157,7 +157,7 @@ std::string cameraText(const char* name, const CameraModel& camera, const Eigen:
 }  // namespace
 
 bool isRosCamera(const StrictYaml& yaml) {
-  return yaml.has("camera_matrix") || yaml.has(keysOf(yaml).K);
+  return yaml.has(keysOf(yaml).K);
 }
 
 Rig readRosRig(const std::filesystem::path& left_file, const std::filesystem::path& right_file) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "calib/model/lens.hpp"
+#include "calib/model/rotation.hpp"
 #include "common/statistics.hpp"
 
 namespace cartvo::calib {
@@ -46,17 +47,13 @@ std::vector<Eigen::Vector2d> gridOf(cv::Size size, const ImageCoverage& coverage
   return grid;
 }
 
-/// The rotation that takes the rays of one calibration to those of the other: B. K. P. Horn's problem, solved
-/// by the singular value decomposition.
+/// The rotation that takes the rays of one calibration to those of the other.
 Eigen::Matrix3d impliedRotation(const std::vector<Eigen::Vector3d>& from,
                                 const std::vector<Eigen::Vector3d>& to) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < from.size(); ++i)
     sum += to[i] * from[i].transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0,
-                        (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return bestRotation(sum);
 }
 
 void addProjectionDifferences(const CameraModel& a, const CameraModel& b, const ImageCoverage& coverage,

@@ -1,10 +1,8 @@
 // `cartvo calibrate SOURCE`: calibrates both cameras and their relative pose from views of a board.
 #include "tools/calibrate/calibrate_rig.hpp"
 
-#include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -13,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "calib/format/rig_file.hpp"
@@ -38,6 +35,7 @@
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
+#include "tools/report/html.hpp"
 
 namespace cartvo {
 namespace {
@@ -218,9 +216,8 @@ ReportPair reportPair(const FoundViews& found, const calib::Calibration& calibra
 
 /// Date, version, source and rig file of a report.
 std::string originOf(const Options& options) {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC, cartvo {}, from {}, for the rig file {}", fmt::gmtime(now),
-                     CARTVO_VERSION, options.source.string(), options.output.string());
+  return fmt::format("{}, cartvo {}, from {}, for the rig file {}", reportTime(), CARTVO_VERSION,
+                     options.source.string(), options.output.string());
 }
 
 /// Calibrates, reports, and writes the rig file if the calibration passes. `before`: see rigBefore.

@@ -2,10 +2,10 @@
 #include "tools/evaluate/alignment.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <cmath>
 #include <stdexcept>
 
+#include "calib/model/rotation.hpp"
 #include "tools/evaluate/evaluation.hpp"
 
 namespace cartvo {
@@ -23,10 +23,7 @@ Eigen::Matrix3d axesBetween(const AssociatedTrajectories& associated) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < associated.estimate.size(); ++i)
     sum += associated.estimate[i].pose.linear().transpose() * associated.truth[i].pose.linear();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d signs = Eigen::Matrix3d::Identity();
-  signs(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * signs * svd.matrixV().transpose();
+  return calib::bestRotation(sum);
 }
 
 }  // namespace
@@ -48,7 +45,7 @@ void fitEstimate(const ComparisonSettings& settings, AssociatedTrajectories& ass
       throw std::runtime_error("a standstill has no path to fit; leave out --align and --correct-scale");
   }
   const Eigen::Matrix4d fit = Eigen::umeyama(estimate, truth, settings.corrects_scale);
-  associated.scale = std::cbrt(fit.topLeftCorner<3, 3>().determinant());
+  if (settings.corrects_scale) associated.scale = std::cbrt(fit.topLeftCorner<3, 3>().determinant());
   associated.is_aligned = settings.aligns;
   const Eigen::Matrix3d R = fit.topLeftCorner<3, 3>() / associated.scale;
   for (StampedPose& stamped : associated.estimate) {

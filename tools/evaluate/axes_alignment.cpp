@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <vector>
 
+#include "calib/model/rotation.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/segments.hpp"
 #include "vo_core/rigid_motion.hpp"
@@ -44,29 +45,23 @@ Eigen::Isometry3d rotationTransform(const Eigen::Vector3d& rotation) {
 
 }  // namespace
 
-// W. Kabsch's solution, 1976: the rotation that maximises the sum of the products of turned and true
-// displacements.
 std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associated) {
   const std::vector<Displacements> displacements = shortDisplacements(associated);
   if (displacements.empty()) return std::nullopt;
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero(), squares = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), truth = Eigen::Vector3d::Zero();
   for (const Displacements& displacement : displacements) {
     products += displacement.truth * displacement.estimate.transpose();
     squares += displacement.estimate * displacement.estimate.transpose();
-    estimate += displacement.estimate;
-    truth += displacement.truth;
   }
   const Eigen::Vector3d spread =  // in increasing order
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares / static_cast<double>(displacements.size()))
           .eigenvalues();
   if (spread[2] <= kMinEigenvalue) return Eigen::Vector3d::Zero();
-  Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(estimate, truth).toRotationMatrix();
-  if (spread[0] + spread[1] >= kMinEigenvalueRatio * spread.sum()) {
+  // Of a straight path, also one forth and back, only its direction is known.
+  Eigen::Matrix3d turn = calib::bestRotation(products);
+  if (spread[0] + spread[1] < kMinEigenvalueRatio * spread.sum()) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d signs = Eigen::Matrix3d::Identity();
-    signs(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-    turn = svd.matrixU() * signs * svd.matrixV().transpose();
+    turn = Eigen::Quaterniond::FromTwoVectors(svd.matrixV().col(0), svd.matrixU().col(0)).toRotationMatrix();
   }
   const Eigen::AngleAxisd rotation(turn);
   return Eigen::Vector3d(rotation.angle() * rotation.axis());

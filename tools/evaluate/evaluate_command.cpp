@@ -1,5 +1,4 @@
 // `cartvo evaluate`: compares an estimated trajectory with the truth.
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/chrono.h>
 #include <nlohmann/json.hpp>
 
 #include "common/atomic_file.hpp"
@@ -28,6 +26,7 @@
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/html_report.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/report/html.hpp"
 #include "tools/report/table.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
@@ -96,8 +95,12 @@ std::vector<std::string> settingsOf(const Options& options, const ReportInput& i
   const std::filesystem::path summary = std::filesystem::path(input.estimate).parent_path() / "summary.json";
   constexpr std::uintmax_t kMaxBytes = 1U << 26U;
   nlohmann::json json;
-  if (std::filesystem::exists(summary))
-    json = nlohmann::json::parse(readInputText(summary, kMaxBytes), nullptr, false);
+  try {
+    if (std::filesystem::exists(summary))
+      json = nlohmann::json::parse(readInputText(summary, kMaxBytes), nullptr, false);
+  } catch (const std::runtime_error&) {
+    // The report goes without them.
+  }
   const auto add = [&](const char* pointer, const std::string& name) {
     const nlohmann::json::json_pointer place(pointer);
     if (!json.is_object() || !json.contains(place)) return;
@@ -121,9 +124,7 @@ void writeReport(const Options& options, std::vector<ReportInput> inputs) {
   for (ReportInput& input : inputs)
     addMessages(options, input);
   const std::vector<Figure> figures = evaluationFigures(inputs);
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const ReportContext context{options.truth.string(), fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(now)),
-                              settingsOf(options, inputs.front())};
+  const ReportContext context{options.truth.string(), reportTime(), settingsOf(options, inputs.front())};
   if (!options.report.empty()) writeResultFile(options.report, evaluationPage(context, inputs, figures));
   if (options.figures.empty()) return;
   createFolders(options.figures);

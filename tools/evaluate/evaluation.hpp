@@ -49,7 +49,7 @@ struct Evaluation {
   double final_rotation = 0.0;                 ///< angle between the two ends, rad
 
   double absolute_aligned = 0.0;  ///< RMSE of position after the best rigid alignment (ATE), m
-  double absolute_origin = 0.0;   ///< RMSE of position if the starts coincide, m
+  double absolute_origin = 0.0;   ///< RMSE of position if the starts coincide, or as placed by --align, m
 
   double relative_translation = 0.0;  ///< RMSE of the motion from pose to pose (RPE), m
   double relative_rotation = 0.0;     ///< rad

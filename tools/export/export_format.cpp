@@ -53,6 +53,11 @@ void writeExport(const ExportSource& source, ExportFormat format, const std::fil
     case ExportFormat::tum:
       return writeTum(output, source.poses, source.frame);
     case ExportFormat::kitti:
+      if (!source.replay && source.frame != TrajectoryFrame::left_camera)
+        std::fprintf(
+            stderr,
+            "cartvo: warning: KITTI's rows are poses of the left camera, and are read so; these are not "
+            "known to be\n");
       return writeKitti(output, source.replay ? leftCameraTrajectory(*source.replay) : source.poses);
     case ExportFormat::euroc:
       return writeEuroc(output, source.poses);

@@ -1,13 +1,22 @@
 // HTML elements of reports.
 #include "tools/report/html.hpp"
 
+#include <chrono>
+#include <ctime>
 #include <stdexcept>
 
+#include <fmt/chrono.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/base64.hpp"
 
 namespace cartvo {
+
+std::string reportTime() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(now));
+}
+
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char character : text) {

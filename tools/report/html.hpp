@@ -18,6 +18,9 @@ std::string imageElement(const cv::Mat& image, std::string_view description);
 std::string tableElement(const std::vector<std::string>& header,
                          const std::vector<std::vector<std::string>>& rows);
 
+/// The time of a report: now, "2026-11-30 02:15:00 UTC".
+std::string reportTime();
+
 /// A page for light and dark screens of any width. `title` is escaped; `style`: CSS rules after the common
 /// ones; `body`: HTML.
 std::string htmlPage(std::string_view title, std::string_view style, std::string_view body);

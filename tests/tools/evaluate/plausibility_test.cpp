@@ -92,6 +92,12 @@ TEST(ConventionProblem, NamesTurnedAxesFromTwoDegreesOn) {
   EXPECT_THAT(turned({180.0, 0.0, 0.0}), HasSubstr("forward, right, down"));
 }
 
+TEST(Fit, WithoutScaleKeepsIt) {
+  AssociatedTrajectories associated = associateByRows(scaled(winding(600, 0.0), 0.8), winding(600, 0.0));
+  fitEstimate({.aligns = true}, associated);
+  EXPECT_EQ(associated.scale, 1.0);
+}
+
 TEST(Fit, OfWorldAxesAndScaleRemovesThem) {
   const Trajectory truth = winding(600, 0.0);
   Trajectory moved = scaled(rotateAxes(truth, {0.1, -0.2, 0.3}), 0.8);

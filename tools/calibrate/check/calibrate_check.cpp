@@ -85,6 +85,7 @@ calib::Rig readRigOf(const Options& options) {
 /// Matches of the pairs in rectified images, with left and right exchanged or not.
 struct Matches {
   std::vector<calibrate::RectifiedMatch> points;
+  calibrate::Contradictions contradictions;
   int pairs = 0;
   int of_one_camera = 0;  ///< of the pairs
 };
@@ -95,8 +96,10 @@ Matches matchPairs(const Options& options, const calib::Rectifier& rectifier, bo
     cv::Mat rectified_left, rectified_right;
     rectifier.rectifyLeft(exchanged ? right : left, rectified_left);
     rectifier.rectifyRight(exchanged ? left : right, rectified_right);
-    for (const calibrate::RectifiedMatch& match : calibrate::matchRectified(rectified_left, rectified_right))
-      matches.points.push_back(match);
+    const auto points = calibrate::matchRectified(rectified_left, rectified_right);
+    matches.points.insert(matches.points.end(), points.begin(), points.end());
+    calibrate::addContradictions(rectified_left, rectified_right, points, options.largest_rms,
+                                 matches.contradictions);
     ++matches.pairs;
     if (calibrate::areOfOneCamera(left, right)) ++matches.of_one_camera;
   });
@@ -113,19 +116,6 @@ std::optional<calibrate::RowCheck> checkExchanged(const Options& options, const 
   }
 }
 
-calibrate::Contradictions contradictionsOf(const Options& options, const calib::Rectifier& rectifier) {
-  calibrate::Contradictions contradictions;
-  forSelectedPairs(options, [&](const cv::Mat& left, const cv::Mat& right) {
-    cv::Mat rectified_left, rectified_right;
-    rectifier.rectifyLeft(left, rectified_left);
-    rectifier.rectifyRight(right, rectified_right);
-    calibrate::addContradictions(rectified_left, rectified_right,
-                                 calibrate::matchRectified(rectified_left, rectified_right),
-                                 options.largest_rms, contradictions);
-  });
-  return contradictions;
-}
-
 void run(const Options& options) {
   const calib::Rig rig = readRigOf(options);
   const calib::Rectifier rectifier(rig, rig.rectification, calib::buildTables(rig, rig.rectification));
@@ -137,9 +127,9 @@ void run(const Options& options) {
         std::to_string(matches.pairs) +
         " pairs are the same: they are of one camera; give the pictures of the left and the right camera");
   }
-  calibrate::RowChecks checks{calibrate::checkRows(matches.points, matches.pairs, rectification), {}};
+  calibrate::RowChecks checks{
+      calibrate::checkRows(matches.points, matches.pairs, rectification), {}, matches.contradictions};
   const bool passes = calibrate::passes(checks.check, options.largest_rms);
-  if (!passes) checks.contradictions = contradictionsOf(options, rectifier);
   if (!passes && !checks.cannotTell(options.largest_rms))
     checks.exchanged = checkExchanged(options, rectifier);
   const std::string report =

@@ -39,9 +39,6 @@ Eigen::Vector4d rotationTerms(const RectifiedMatch& match, const calib::Rectific
   return {1.0 + y * y, x, x * y, y};
 }
 
-/// Fits the rotation to the vertical disparities by iteratively reweighted least squares with Cauchy's
-/// weights (P. W. Holland, R. E. Welsch, "Robust regression using iteratively reweighted least-squares",
-/// 1977).
 struct RotationFit {
   Eigen::Vector4d terms = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< per px^2 of the error of a single, mean match

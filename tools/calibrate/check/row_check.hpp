@@ -49,7 +49,7 @@ bool passes(const RowCheck& check, double max_rms);
 struct RowChecks {
   RowCheck check;
   std::optional<RowCheck> exchanged;
-  Contradictions contradictions{};  ///< counted if the first one fails
+  Contradictions contradictions{};  ///< of the first one
 
   /// Whether the first one fails only by matches that may be shifted along a pattern that repeats itself.
   bool cannotTell(double max_rms) const {

@@ -31,8 +31,8 @@ enum class CameraState : std::uint8_t {
 struct CameraHealth {
   CameraState state = CameraState::connecting;
   InstantSource instant_source = InstantSource::file;
-  std::uint64_t frames = 0;         ///< delivered since the start
-  std::uint64_t damaged = 0;        ///< of these, marked FrameStatus::damaged
+  std::uint64_t frames = 0;         ///< received since the start
+  std::uint64_t damaged = 0;        ///< of these, marked FrameStatus::damaged or not decodable
   std::uint64_t reconnections = 0;  ///< times the stream had to be opened again
   std::string last_error;           ///< what is wrong and what to do; empty if there was no error
   std::string advice;               ///< what to change about a camera that streams; empty if nothing

@@ -70,8 +70,8 @@ StereoSource openSource(const std::filesystem::path& path, const SourceSettings&
   if (!std::filesystem::exists(path))
     throw std::runtime_error(path.string() + " does not exist; expected a folder with a recording or images");
   const bool is_folder = std::filesystem::is_directory(path);
-  const std::string foreign = is_folder ? "" : foreignFormat(path);
-  if (!foreign.empty()) throw std::runtime_error(path.string() + " " + foreign);
+  if (const std::string foreign = foreignFormat(path); !foreign.empty())
+    throw std::runtime_error(path.string() + " " + foreign);
   if (!is_folder)
     throw std::runtime_error(path.string() +
                              " is not a folder; expected a folder with a recording or images, or two videos");

@@ -23,7 +23,8 @@ constexpr double kBlockStddev_ns = 5e6;     // prior of a block's fastest packet
 constexpr double kMinStddev_ns = 50e3;      // time a host takes to wake a thread
 
 // Skew that is no crystal's: a camera that counts a nominal frame rate. Followed as far as ArrivalPace
-// tolerates it, once the arrivals' drift beyond a crystal's exceeds what their scatter explains.
+// tolerates it, with a margin in which that names it, once the arrivals' drift beyond a crystal's exceeds
+// what their scatter explains.
 constexpr double kMaxNominalSkew = 8e6;  // ns/s
 constexpr double kMinNominalDrift_ns = 8e6;
 constexpr double kNominalDriftOfScatter = 6.0;  // of the median distance from the hull's edge

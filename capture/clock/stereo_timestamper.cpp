@@ -3,7 +3,6 @@
 #include "capture/clock/stereo_timestamper.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
@@ -231,7 +230,8 @@ void StereoTimestamper::combineOffsets(const OffsetEstimate& arrival) {
 std::string StereoTimestamper::timeBaseProblem() const {
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
-    const std::string camera = std::string("the ") + (i == 0 ? "left" : "right") + " camera's RTP time ";
+    const std::string camera =
+        std::string("the ") + sideName(static_cast<CameraSide>(i)) + " camera's RTP time ";
     const ArrivalPace& pace = clock.pace();
     if (clock.isUnsteady())
       return camera +
@@ -253,7 +253,8 @@ std::string StereoTimestamper::problem() const {
   for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i) {
     const CameraClockModel& clock = sides_[i].clock;
     if (clock.seconds() < kFirstReportTimeout || clock.reports().hasData()) continue;
-    return std::string("the ") + (i == 0 ? "left" : "right") + " camera sends no RTCP sender reports" +
+    return std::string("the ") + sideName(static_cast<CameraSide>(i)) +
+           " camera sends no RTCP sender reports" +
            (report_notes_[i].empty() ? "" : " that can be used, but " + report_notes_[i]) +
            ", so exposures are computed from arrival times: connect to the camera itself and synchronise it "
            "by NTP, or set cameras.clock: auto";
@@ -280,7 +281,8 @@ std::string StereoTimestamper::uncertaintyProblem() const {
   if (lag_ns > std::max(stddevs[0], stddevs[1]))
     return offset + "being corrected by " + inSeconds(lag_ns) + ", which takes " +
            inSeconds(lag_ns / kSlewRate) + " more";
-  return offset + "uncertain: the pictures of the " + (stddevs[0] >= stddevs[1] ? "left" : "right") +
+  return offset + "uncertain: the pictures of the " +
+         sideName(stddevs[0] >= stddevs[1] ? CameraSide::left : CameraSide::right) +
          " camera arrive unevenly; relieve the network and this computer, or set both cameras to one NTP "
          "server";
 }

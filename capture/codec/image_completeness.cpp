@@ -19,6 +19,10 @@ bool isCutOffImage(std::string_view bytes) {
   constexpr std::size_t kSegmentHeader = 4;
   while (position + kSegmentHeader <= bytes.size() && bytes[position] == '\xff' &&
          bytes[position + 1] != '\xda') {
+    if (bytes[position + 1] == '\xff') {
+      ++position;  // fill bytes before a marker (ITU-T T.81, B.1.1.2)
+      continue;
+    }
     position += 2 + 256U * at(position + 2) + at(position + 3);
   }
   // Behind the headers, which may contain a thumbnail.

@@ -108,14 +108,15 @@ std::shared_ptr<LookUp> joinLookUp(const std::string& host, const std::string& p
     const std::lock_guard entry_lock(entry->mutex);
     if (!entry->answer || Clock::now() - entry->answered < kMaxAnswerAge) return entry;
   }
-  entry = std::make_shared<LookUp>();
-  std::thread([look_up = entry, host, port] {
+  auto begun = std::make_shared<LookUp>();
+  std::thread([look_up = begun, host, port] {
     ResolvedName answer = askResolver(host, port, 0);
     const std::lock_guard look_up_lock(look_up->mutex);
     look_up->answer = std::move(answer);
     look_up->answered = Clock::now();
     look_up->finished.notify_all();
   }).detach();
+  entry = std::move(begun);
   return entry;
 }
 

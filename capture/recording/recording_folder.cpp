@@ -55,7 +55,8 @@ bool isRecording(const std::filesystem::path& folder) {
 
 RecordingInfo readRecordingInfo(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kDescriptionFile;
-  if (!std::filesystem::exists(file)) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) && !error) {
     const bool is_folder = std::filesystem::is_directory(folder);
     std::string reason = is_folder ? foreignContents(folder) : foreignFormat(folder);
     if (reason.empty()) {
@@ -112,10 +113,6 @@ void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo
   if (!output) throw std::runtime_error("cannot write " + file.string() + ": " + std::strerror(errno));
   syncToDisk(file);
   syncToDisk(folder);
-}
-
-const char* sideName(CameraSide side) {
-  return side == CameraSide::left ? "left" : "right";
 }
 
 RecordingSegment recordingSegment(const std::filesystem::path& recording, std::uint64_t number) {

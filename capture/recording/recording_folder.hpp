@@ -37,9 +37,6 @@ RecordingInfo parseRecordingInfo(const std::string& text, const std::filesystem:
 /// Writes recording.json durably. Throws std::runtime_error naming the file and the reason.
 void writeRecordingInfo(const std::filesystem::path& folder, const RecordingInfo& info);
 
-/// "left" or "right".
-const char* sideName(CameraSide side);
-
 /// Number, folder and files of one segment.
 struct RecordingSegment {
   std::uint64_t number = 0;

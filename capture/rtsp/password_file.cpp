@@ -72,7 +72,7 @@ std::string readSecretFile(const std::filesystem::path& file, const std::string&
   disableCoreDumps();
   std::string text;
   try {
-    text = readInputText(file, kMaxFileSize);
+    text = withoutByteOrderMark(readInputFile(file, kMaxFileSize));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string(error.what()) + "; give it to the user that runs this program");
   }

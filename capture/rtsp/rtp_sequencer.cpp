@@ -13,7 +13,8 @@ constexpr std::int64_t kMaxDropout = 3000;
 constexpr std::int64_t kMaxMisorder = 1000;
 constexpr int kOutOfRangeOfARestart = 2;
 
-// Numbers that are skipped before more than each eighth packet, for about a hundred packets, are a habit.
+// Numbers that are skipped before more than each eighth packet are a habit: after eight such packets in a
+// row, or some twenty of which every other one is.
 constexpr int kSkip = 8;
 constexpr int kSkippingOfAHabit = 64;
 

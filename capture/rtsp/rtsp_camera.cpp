@@ -190,6 +190,7 @@ class RtspCamera::Receiver {
         connected_at_ + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
     remarks_.clear();
+    overflow_ = 0;
     timestamper_->setReportNote(side_, {});
     const std::lock_guard lock(mutex_);
     health_.advice.clear();
@@ -230,7 +231,7 @@ class RtspCamera::Receiver {
     remarks_ = all.text();
     timestamper_->setReportNote(side_, all.text(StreamRemarks::Kind::report));
     const std::lock_guard lock(mutex_);
-    health_.advice = "the camera at " + rtspHost(settings_.url) + " sends what is left out: " + remarks_;
+    health_.advice = "left out of what the camera at " + rtspHost(settings_.url) + " sends: " + remarks_;
   }
 
   /// Why no frame came in time, and what was left out.
@@ -289,7 +290,7 @@ class RtspCamera::Receiver {
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen) health_.last_error = frozen_text_;
     health_.instant_source = frame.instant_source;
-    if (remarks_.empty() && health_.advice.empty() && stream_->decoder().reorders()) {
+    if (health_.advice.empty() && stream_->decoder().reorders()) {
       health_.advice =
           "the camera at " + rtspHost(settings_.url) +
           " sends B-frames, which delay its pictures by some frame periods; switch them off in the "

@@ -88,7 +88,7 @@ RtspResponse RtspClient::request(std::string_view method, std::string& url, cons
   }
 }
 
-/// Waits for the response to the last request; hands over packets, and ignores other messages.
+/// Waits for the response to the last request; hands over packets, and answers the server's requests.
 RtspInput RtspClient::receiveResponse(Clock::time_point deadline) {
   for (;;) {
     RtspInput input = socket_.receive(deadline);

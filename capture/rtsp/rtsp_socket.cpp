@@ -25,7 +25,9 @@ constexpr std::size_t kInterleavedHeader = 4;
 constexpr std::size_t kMaxSkipped = kBufferSize;  ///< bytes in a row that are no packet and no message
 constexpr std::size_t kMaxMethod = 13;            ///< letters of a request's method: SET_PARAMETER
 constexpr std::size_t kMaxRequestLine = 1024;
-constexpr std::chrono::milliseconds kRestPause{300};  ///< after which nothing more of a description comes
+// After a pause of this length nothing more of a description comes whose length is missing or too small; one
+// whose length says that more is to come may wait for a packet that was lost on the way.
+constexpr std::chrono::milliseconds kRestPause{300}, kLostRestPause{1000};
 static_assert(kBufferSize > kMaxRtspHead + kMaxRtspBody && kBufferSize > kInterleavedHeader + 0xffff);
 
 RtspInput invalid(std::string reason) {
@@ -68,7 +70,8 @@ void RtspSocket::close() {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
   begin_ = end_ = skipped_since_ = 0;
-  speaks_rtsp_ = awaits_rest_ = false;
+  speaks_rtsp_ = false;
+  rest_pause_.reset();
   channels_.reset();
 }
 
@@ -148,20 +151,15 @@ RtspInput RtspSocket::receive(Clock::time_point deadline, std::span<const int> w
   for (;;) {
     if (std::optional<RtspInput> input = parseBuffered(false)) return std::move(*input);
     std::optional<RtspInput> failure = fill();
-    if (!failure) {
-      arrival_ = Clock::now();
-    } else if (failure->kind == RtspInput::Kind::nothing) {
-      const Clock::time_point until = awaits_rest_ ? std::min(deadline, arrival_ + kRestPause) : deadline;
-      if (wait(POLLIN, until, wake)) {
-        // Another socket was readable, or this one is: the next read tells.
-        failure = fill();
-        if (!failure) arrival_ = Clock::now();
-      }
+    if (failure && failure->kind == RtspInput::Kind::nothing) {
+      const Clock::time_point until = rest_pause_ ? std::min(deadline, arrival_ + *rest_pause_) : deadline;
+      // Another socket was readable, or this one is: the next read tells.
+      if (wait(POLLIN, until, wake)) failure = fill();
     }
     if (failure) {
-      const bool is_over =
-          failure->kind != RtspInput::Kind::nothing || !awaits_rest_ || Clock::now() >= arrival_ + kRestPause;
-      if (awaits_rest_ && is_over) {
+      const bool is_over = failure->kind != RtspInput::Kind::nothing || !rest_pause_ ||
+                           Clock::now() >= arrival_ + *rest_pause_;
+      if (rest_pause_ && is_over) {
         if (std::optional<RtspInput> input = parseBuffered(true)) return std::move(*input);
       }
       if (is_over || Clock::now() >= deadline) return std::move(*failure);
@@ -181,6 +179,7 @@ std::optional<RtspInput> RtspSocket::fill() {
   const ssize_t size = receiver_.receive(descriptor_, std::span(buffer_).subspan(end_), nullptr);
   if (size > 0) {
     end_ += static_cast<std::size_t>(size);
+    arrival_ = Clock::now();
     return std::nullopt;
   }
   RtspInput input;
@@ -198,7 +197,8 @@ RtspSocket::Beginning RtspSocket::beginningOf(std::string_view text) const {
   if (kResponse.starts_with(prefix))
     return prefix.size() == kResponse.size() ? Beginning::message : Beginning::unknown;
   // A request: a method in capitals, and the version at the end of its line.
-  const std::string_view line = text.substr(0, std::min(text.find('\n'), kMaxRequestLine));
+  const std::string_view begin = text.substr(0, kMaxRequestLine);
+  const std::string_view line = begin.substr(0, begin.find('\n'));
   const std::size_t method = std::min(line.find(' '), line.size());
   const auto is_of_method = [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; };
   if (method > kMaxMethod ||
@@ -231,7 +231,7 @@ RtspSocket::Beginning RtspSocket::beginningOfPacket(std::string_view text) const
 /// that belong to neither: cameras whose connection was congested write parts of packets twice. `at_rest`:
 /// nothing more is expected at present.
 std::optional<RtspInput> RtspSocket::parseBuffered(bool at_rest) {
-  awaits_rest_ = false;
+  rest_pause_.reset();
   for (;;) {
     while (begin_ < end_ && (buffer_[begin_] == '\r' || buffer_[begin_] == '\n'))
       ++begin_;  // empty lines between messages (RFC 2326, 4.1)
@@ -248,7 +248,6 @@ std::optional<RtspInput> RtspSocket::parseBuffered(bool at_rest) {
     }
     if (skipped_since_ == 0) ++skips_;
     ++begin_;
-    ++skipped_bytes_;
     if (++skipped_since_ > kMaxSkipped) {
       return invalid("sent " + std::to_string(kMaxSkipped) +
                      " bytes in a row that are neither RTSP messages nor interleaved packets");
@@ -303,8 +302,10 @@ std::optional<RtspInput> RtspSocket::parseMessage(std::string_view text, std::si
   std::size_t body_size = stated.value_or(0);
   if (isDescription(*head, rest) && !isWholeDescription(rest, stated)) {
     // Its length is missing or wrong: it ends where a message begins, or where nothing more comes.
-    awaits_rest_ = !at_rest;
-    if (!at_rest) return std::nullopt;
+    if (!at_rest) {
+      rest_pause_ = stated.value_or(0) > rest.size() ? kLostRestPause : kRestPause;
+      return std::nullopt;
+    }
     body_size = std::min({rest.size(), rest.find("RTSP/1."), kMaxRtspBody});
   }
   if (rest.size() < body_size) return std::nullopt;
@@ -314,7 +315,7 @@ std::optional<RtspInput> RtspSocket::parseMessage(std::string_view text, std::si
   RtspInput input;
   input.kind = RtspInput::Kind::message;
   input.head = std::move(*head);
-  if (!quotes_) input.head.reason.clear();
+  if (!quotes_ && input.head.status != 0) input.head.reason.clear();  // of a request it is the method
   input.body = rest.substr(0, body_size);
   return input;
 }

@@ -67,10 +67,8 @@ class RtspSocket {
   /// Arrival of the last part of what was received last, by the host's clock.
   std::int64_t arrivalNs() const { return receiver_.arrivalNs(); }
 
-  /// Times that bytes were left out because they belong to no message and no packet, and their number in
-  /// total.
+  /// Times that bytes were left out because they belong to no message and no packet.
   std::uint64_t skips() const { return skips_; }
-  std::uint64_t skippedBytes() const { return skipped_bytes_; }
 
   /// Address of the server, if connected.
   const sockaddr_storage& peer() const { return peer_; }
@@ -97,13 +95,13 @@ class RtspSocket {
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  ///< of the data in the buffer that are not yet parsed
   std::size_t end_ = 0;
-  std::bitset<256> channels_;        ///< on which packets have come
-  bool speaks_rtsp_ = false;         ///< a message has come
-  bool awaits_rest_ = false;         ///< of a description whose length is missing or wrong
-  Clock::time_point arrival_{};      ///< of the last data
-  std::size_t skipped_since_ = 0;    ///< bytes left out since the last packet or message
-  std::uint64_t skips_ = 0;          ///< times that bytes were left out
-  std::uint64_t skipped_bytes_ = 0;  ///< left out in total
+  std::bitset<256> channels_;  ///< on which packets have come
+  bool speaks_rtsp_ = false;   ///< a message has come
+  /// How long to wait for the rest of a description whose length is missing or wrong; empty: for none.
+  std::optional<std::chrono::milliseconds> rest_pause_;
+  Clock::time_point arrival_{};    ///< of the last data
+  std::size_t skipped_since_ = 0;  ///< bytes left out since the last packet or message
+  std::uint64_t skips_ = 0;        ///< times that bytes were left out
 };
 
 }  // namespace cartvo::capture

@@ -30,7 +30,8 @@ std::string nameOf(Remark kind, const std::string& detail) {
     case Remark::host:
       return "UDP packets from " + detail + ", which is another computer";
     case Remark::structure:
-      return "RTP payloads of type " + detail + ", which is not supported: set its packetization-mode to 1";
+      return "RTP payloads of type " + detail +
+             ", which is not supported: of H.264, set its packetization-mode to 1";
     case Remark::report:
       return "sender reports " + detail;
     case Remark::late:
@@ -45,6 +46,7 @@ std::string nameOf(Remark kind, const std::string& detail) {
 
 void StreamRemarks::setTotal(Kind kind, std::uint64_t total, std::string_view detail) {
   Entry& entry = entries_[static_cast<std::size_t>(kind)];
+  if (total == entry.count) return;
   entry.count = total;
   const std::uint64_t named = kind == Kind::late && total < kNamedFrom ? 0 : powerOfTen(total);
   if (named == entry.named) return;

@@ -22,7 +22,7 @@ class StreamRemarks {
     late,          ///< UDP packets that came too late or twice
     overflow,      ///< frames that were not read in time
   };
-  static constexpr std::size_t kKinds = 9;
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::overflow) + 1;
 
   /// Counts up to a total. `detail`: of the latest one.
   void setTotal(Kind kind, std::uint64_t total, std::string_view detail = {});

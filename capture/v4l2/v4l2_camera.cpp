@@ -100,9 +100,8 @@ class V4l2Camera::Receiver {
   std::string incompleteText() const {
     if (incomplete_ == 0) return "";
     return " but " + std::to_string(incomplete_) +
-           " incomplete ones: the USB bus loses data; connect the cameras to different USB controllers or "
-           "set a "
-           "lower cameras.frame_rate";
+           " incomplete ones or of another size: the USB bus may lose data; connect the cameras to different "
+           "USB controllers or set a lower cameras.frame_rate";
   }
 
   /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a damaged one.

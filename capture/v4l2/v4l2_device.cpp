@@ -195,7 +195,7 @@ void V4l2Device::selectFormat(const V4l2Mode& mode) {
   for (std::size_t i = 0; i < offered.size(); ++i)
     problem += (i == 0 ? ", but " : ", ") + formatCode(offered[i]);
   if (!offered.empty() && !mode.format)
-    problem += "; a sensor's raw picture needs the camera's own converter (ISP) first";
+    problem += "; if these are a sensor's raw pictures, they need the camera's own converter (ISP) first";
   for (const auto& [format, code] : kFormats) {
     if (mode.format && *mode.format != format) continue;
     if (std::find(offered.begin(), offered.end(), code) == offered.end()) continue;
@@ -204,8 +204,10 @@ void V4l2Device::selectFormat(const V4l2Mode& mode) {
       format_ = format;
       return;
     }
-    problem = std::string("has no ") + toText(mode.size) + " in " + formatName(format) + ", the nearest is " +
-              toText(size) + "; calibrate at a size that it supports ('v4l2-ctl --list-formats-ext')";
+    const std::string chosen =
+        size.empty() ? ", the device chose another format" : ", the nearest is " + toText(size);
+    problem = std::string("has no ") + toText(mode.size) + " in " + formatName(format) + chosen +
+              "; calibrate at a size that it supports ('v4l2-ctl --list-formats-ext')";
   }
   fail(problem);
 }

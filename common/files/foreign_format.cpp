@@ -79,6 +79,7 @@ constexpr std::array kFormats{
     Format{nullptr, "version https://git-lfs"sv, 0, "a Git LFS pointer, not the file itself",
            "fetch the file by 'git lfs pull'"},
     Format{nullptr, "<!DOCTYPE html"sv, 0, "a web page", kPage},
+    Format{nullptr, "<!doctype html"sv, 0, "a web page", kPage},
     Format{nullptr, "<html"sv, 0, "a web page", kPage},
 };
 

@@ -13,7 +13,6 @@
 namespace cartvo {
 namespace {
 
-constexpr const char* kPlainText = "text/plain; charset=utf-8";
 constexpr int kForbidden = 403, kNotFound = 404, kNotAllowed = 405;
 
 /// Whether a Host header is a numeric address or localhost, with or without a port. It may be absent:

@@ -23,6 +23,8 @@
 
 namespace cartvo {
 
+constexpr const char* kPlainText = "text/plain; charset=utf-8";  ///< media type of an answer
+
 /// Thread pool of a server with a bounded queue: further connections wait until there is room.
 class BoundedTaskQueue : public httplib::TaskQueue {
  public:

@@ -17,10 +17,6 @@ constexpr std::size_t kMinArrivals = 5;
 constexpr std::int64_t kMaxUnpaired_ns = 5'000'000'000;  // a camera that sends nothing is reconnected by then
 constexpr std::uint64_t kMinUnpaired = 5;                // frames of each camera since the latest pair
 
-const char* nameOf(capture::CameraSide side) {
-  return side == capture::CameraSide::left ? "left" : "right";
-}
-
 /// Mean interval without the longest one, in which the connection may have been lost; 0 until it is known.
 std::int64_t meanInterval(const std::deque<std::int64_t>& instants) {
   if (instants.size() < kMinArrivals) return 0;
@@ -48,8 +44,8 @@ PairingTotals totals(const capture::PairSynchroniser& synchroniser) {
 }
 
 std::string wrongSizeMessage(capture::CameraSide side, cv::Size stream, cv::Size rig) {
-  return std::string(nameOf(side)) + " camera: the stream is " + sizeText(stream) + ", but the rig is for " +
-         sizeText(rig) +
+  return std::string(capture::sideName(side)) + " camera: the stream is " + sizeText(stream) +
+         ", but the rig is for " + sizeText(rig) +
          "; set the camera to the rig's resolution, or calibrate at the stream's (a camera may crop instead "
          "of scale)";
 }
@@ -134,7 +130,8 @@ std::string LivePairing::pairingProblem() const {
   for (const capture::CameraSide which : {capture::CameraSide::left, capture::CameraSide::right}) {
     const capture::PairingCounts& now = synchroniser_.counts(which);
     const capture::PairingCounts& before = side(which).before_pair;
-    const std::string camera = std::string("no pictures can be paired: the ") + nameOf(which) + " camera's ";
+    const std::string camera =
+        std::string("no pictures can be paired: the ") + capture::sideName(which) + " camera's ";
     const std::uint64_t half = (now.received - before.received) / 2;
     if (now.damaged - before.damaged > half)
       return camera + "are damaged: data are lost on its network, or its RTP times are wrong";

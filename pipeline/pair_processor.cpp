@@ -111,8 +111,9 @@ class PairProcessor::Implementation {
     const std::int64_t since_ns = pair.left.exposure_ns - light_ns_;
     if (light_ns_ != 0 && since_ns >= 0 && since_ns < kLightInterval_ns) return;
     light_ns_ = pair.left.exposure_ns;
-    result.light = {pipeline::measureLight(pair.left.image, used_[0]),
-                    pipeline::measureLight(pair.right.image, used_[1])};
+    auto& light = result.light.emplace();
+    doBoth([&] { light[0] = pipeline::measureLight(pair.left.image, used_[0]); },
+           [&] { light[1] = pipeline::measureLight(pair.right.image, used_[1]); });
   }
 
   /// `view`: where to copy the rectified pictures; nullptr: not wanted.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <opencv2/imgproc.hpp>
 
@@ -42,6 +43,23 @@ double textureOf(const cv::Mat& picture, const cv::Mat& used) {
   return shareOf(textured, all);
 }
 
+struct FaultWords {
+  const char* text;
+  const char* advice;
+};
+
+const FaultWords& wordsOf(LightFault fault) {
+  static constexpr std::array<FaultWords, 4> kWords{{
+      {"", ""},
+      {"the picture is dark",
+       "is the lens covered, or is it dark? Uncover and clean it, add light, or allow more gain"},
+      {"the picture shows hardly any texture",
+       "is the lens covered, dirty or fogged, or is there a plain wall before it? Uncover and clean it"},
+      {"the picture is too bright", "reduce the exposure, or turn the camera away from the light"},
+  }};
+  return kWords[static_cast<std::size_t>(fault)];
+}
+
 }  // namespace
 
 PictureLight measureLight(const cv::Mat& picture, const cv::Mat& used) {
@@ -67,31 +85,11 @@ std::string lightLimits() {
 }
 
 const char* lightFaultText(LightFault fault) {
-  switch (fault) {
-    case LightFault::dark:
-      return "the picture is dark";
-    case LightFault::blank:
-      return "the picture shows hardly any texture";
-    case LightFault::bright:
-      return "the picture is too bright";
-    case LightFault::none:
-      break;
-  }
-  return "";
+  return wordsOf(fault).text;
 }
 
 const char* lightAdvice(LightFault fault) {
-  switch (fault) {
-    case LightFault::dark:
-      return "is the lens covered, or is it dark? Uncover and clean it, add light, or allow more gain";
-    case LightFault::blank:
-      return "is the lens covered, dirty or fogged, or is there a plain wall before it? Uncover and clean it";
-    case LightFault::bright:
-      return "reduce the exposure, or turn the camera away from the light";
-    case LightFault::none:
-      break;
-  }
-  return "";
+  return wordsOf(fault).advice;
 }
 
 bool mayExplain(const PictureLight& light, std::uint32_t reasons) {

@@ -185,9 +185,10 @@ void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
   while (!stopped_ && !live_.finished()) {
     const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
     if (pair) {
-      const std::chrono::duration<double> period = livePeriod();
-      processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total, period.count()));
-      missed = SteadyClock::now() + 2 * messagePeriod();
+      const std::chrono::nanoseconds period = livePeriod();
+      processor_.setTargetFeatureCount(
+          budget.update(processPair(*pair, sink).times.total, std::chrono::duration<double>(period).count()));
+      missed = SteadyClock::now() + 2 * std::max(period, kShortestPeriod);
       before = live_.counts();
     } else if (!stopped_ && SteadyClock::now() >= missed) {
       const LivePairing::Counts now = live_.counts();

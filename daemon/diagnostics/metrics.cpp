@@ -200,12 +200,9 @@ std::string metricsText(const health_t& health, const PairTotals& totals) {
 }
 
 HealthAnswer healthAnswer(const DaemonState& state, DaemonState::Clock::time_point now) {
-  constexpr std::chrono::seconds kLongestSilence{3};
   constexpr std::chrono::seconds kLongestInvalid{1};
-  if (now - state.last_message > kLongestSilence) {
-    return {false, fmt::format("stalled: no odometry message for {:.0f} s",
-                               std::chrono::duration<double>(now - state.last_message).count())};
-  }
+  if (const std::optional<double> silence = state.silence(now))
+    return {false, fmt::format("stalled: no odometry message for {:.0f} s", *silence)};
   if (!state.stalled.empty()) return {false, "stalled: the " + state.stalled + " makes no progress"};
   if (now - state.last_valid <= kLongestInvalid) return {true, "valid"};
   const health_t& health = state.health;

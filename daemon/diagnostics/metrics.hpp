@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <cartvo/health_t.hpp>
@@ -46,6 +47,13 @@ struct DaemonState {
   std::int32_t reasons = 0;        ///< of the last message
   std::string stalled;             ///< as PipelineProgress::stalledReader()
   health_t health{};               ///< the last one published
+
+  /// Time since the last message, s, if it is longer than a daemon that works ever takes.
+  std::optional<double> silence(Clock::time_point now) const {
+    constexpr double kLongest = 3.0;
+    const double seconds = std::chrono::duration<double>(now - last_message).count();
+    return seconds > kLongest ? std::optional(seconds) : std::nullopt;
+  }
 };
 
 struct HealthAnswer {

@@ -13,7 +13,6 @@ namespace {
 
 using Clock = DaemonState::Clock;
 constexpr std::size_t kServerThreads = 4;
-constexpr const char* kPlainText = "text/plain; charset=utf-8";
 
 }  // namespace
 

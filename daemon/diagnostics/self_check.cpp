@@ -41,15 +41,22 @@ std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
 
 void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   const bool is_named = estimate.stereo_fault != vo::StereoFault::suspected;
-  const vo::StereoFault fault = is_named ? estimate.stereo_fault : vo::StereoFault::none;
-  changed_ = changed_ || fault != stereo_fault_;
-  stereo_fault_ = fault;
+  const vo::StereoFault reported = reportedFault();
+  stereo_fault_ = is_named ? estimate.stereo_fault : vo::StereoFault::none;
+  changed_ = changed_ || reportedFault() != reported;
   if (estimate.rig) updateRig(*estimate.rig);
   if (estimate.readouts) changed_ = readouts_.update(*estimate.readouts) || changed_;
-  const bool were_missing = matches_.matchesMissing();
+  const bool were_missing = areMatchesMissing();
   matches_.update(estimate);
-  changed_ = changed_ || matches_.matchesMissing() != were_missing;
+  changed_ = changed_ || areMatchesMissing() != were_missing;
   updateStillRegions(estimate);
+}
+
+void SelfCheck::setTexture(bool suffices) {
+  const vo::StereoFault reported = reportedFault();
+  const bool were_missing = areMatchesMissing();
+  texture_suffices_ = suffices;
+  changed_ = changed_ || reportedFault() != reported || areMatchesMissing() != were_missing;
 }
 
 void SelfCheck::updateStillRegions(const vo::OdometryEstimate& estimate) {
@@ -79,9 +86,8 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
 }
 
 std::string SelfCheck::stereoFaultMessage() const {
-  if (!texture_suffices_) return {};
   for (const vo::StereoFaultText& text : vo::kStereoFaults)
-    if (text.fault == stereo_fault_) return text.sentence;
+    if (text.fault == reportedFault()) return text.sentence;
   return {};
 }
 
@@ -89,8 +95,7 @@ std::string SelfCheck::message() const {
   if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
   // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
   // estimate from few matches is not worth its space in the message.
-  if (matches_.matchesMissing() && texture_suffices_ && !anglesCauseMissingMatches())
-    return matches_.message();
+  if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
   if (offset.empty() && angles.empty()) {

@@ -25,7 +25,7 @@ class SelfCheck {
 
   /// Whether the pictures have the texture by which left and right can be compared. Without it no gross fault
   /// and no missing matches are reported.
-  void setTexture(bool suffices) { texture_suffices_ = suffices; }
+  void setTexture(bool suffices);
 
   /// Faults with their latest numbers and what to do; empty if there is none. A gross fault hides the others,
   /// which it may cause.
@@ -42,6 +42,10 @@ class SelfCheck {
 
  private:
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
+
+  /// What the texture lets be said.
+  vo::StereoFault reportedFault() const { return texture_suffices_ ? stereo_fault_ : vo::StereoFault::none; }
+  bool areMatchesMissing() const { return texture_suffices_ && matches_.matchesMissing(); }
 
   void updateRig(const vo::RigCalibrationError& rig);
   void updateStillRegions(const vo::OdometryEstimate& estimate);

@@ -11,7 +11,6 @@
 namespace cartvo::daemon {
 namespace {
 
-constexpr std::chrono::seconds kSilence{3};
 constexpr std::chrono::milliseconds kLostPair{300};  // one lost pair is not a fault
 
 bool deliversPictures(const camera_health_t& camera) {
@@ -70,10 +69,8 @@ TrafficLight trafficLight(const DaemonState& state, DaemonState::Clock::time_poi
   const health_t& health = state.health;
   if (!state.stalled.empty())
     return {Light::invalid, "the " + state.stalled + " makes no progress; systemd restarts cartvod", ""};
-  if (now - state.last_message > kSilence) {
-    const double silence = std::chrono::duration<double>(now - state.last_message).count();
-    return {Light::invalid, fmt::format("no odometry message for {:.0f} s", silence), "no messages"};
-  }
+  if (const std::optional<double> silence = state.silence(now))
+    return {Light::invalid, fmt::format("no odometry message for {:.0f} s", *silence), "no messages"};
   const bool is_valid = state.last_valid == state.last_message || now - state.last_valid <= kLostPair;
   if (is_valid) return validLight(state);
   if (!deliversPictures(health.left) || !deliversPictures(health.right)) return cameraLight(health);

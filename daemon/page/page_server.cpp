@@ -49,7 +49,7 @@ bool comesFromPage(const Request& request) {
 
 void answerText(Response& response, int status, const std::string& text) {
   response.status = status;
-  response.set_content(text + "\n", "text/plain; charset=utf-8");
+  response.set_content(text + "\n", kPlainText);
 }
 
 /// Begins to serve with threads of low priority. They inherit it from a thread of their own, because a thread

@@ -91,18 +91,17 @@ MulticastRoute findMulticastRoute(const std::string& url) {
   return route;
 }
 
-void requireMulticastRoute(const std::string& url) {
-  const MulticastRoute route = findMulticastRoute(url);
-  if (!route.interface.empty()) return;
+MulticastRoute requireMulticastRoute(const std::string& url) {
+  MulticastRoute route = findMulticastRoute(url);
+  if (!route.interface.empty()) return route;
   throw std::runtime_error("LCM: this host has no route for the multicast group " + route.address + ". " +
                            howToAddRoute(route.address));
 }
 
 std::unique_ptr<lcm::LCM> connectLcm(const std::string& url) {
-  requireMulticastRoute(url);
+  const MulticastRoute route = requireMulticastRoute(url);
   auto lcm = std::make_unique<lcm::LCM>(parseLcmUrl(url).url());
   if (!lcm->good()) {
-    const MulticastRoute route = findMulticastRoute(url);
     throw std::runtime_error("LCM cannot use " + describeLcmUrl(url) + " over " + route.interface + ". " +
                              howToAddRoute(route.address));
   }

@@ -25,8 +25,8 @@ struct MulticastRoute {
 /// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not one of parseLcmUrl().
 MulticastRoute findMulticastRoute(const std::string& url);
 
-/// Throws std::runtime_error if there is no multicast route; the message says how to add one.
-void requireMulticastRoute(const std::string& url);
+/// As above. Throws std::runtime_error if there is no multicast route; the message says how to add one.
+MulticastRoute requireMulticastRoute(const std::string& url);
 
 /// Connects to LCM to receive. Throws as requireMulticastRoute().
 std::unique_ptr<lcm::LCM> connectLcm(const std::string& url);

@@ -12,15 +12,20 @@ namespace cartvo::daemon {
 namespace {
 
 constexpr const char* kVariable = "LCM_DEFAULT_URL";
+constexpr int kMaxTtl = 255;
 
 std::string variable() {
   const char* url = std::getenv(kVariable);
   return url == nullptr ? "" : url;
 }
 
+bool isOfVariable(const std::string& url) {
+  return !url.empty() && url == variable();
+}
+
 [[noreturn]] void fail(const std::string& url, const std::string& text) {
   throw std::invalid_argument("'" + url + "'" +
-                              (url == variable() ? std::string(" (of the variable ") + kVariable + ")" : "") +
+                              (isOfVariable(url) ? std::string(" (of the variable ") + kVariable + ")" : "") +
                               " " + text);
 }
 
@@ -32,13 +37,13 @@ std::string defaultLcmUrl() {
 }
 
 std::string describeLcmUrl(const std::string& url) {
-  return url == variable() ? url + " (" + kVariable + ")" : url;
+  return isOfVariable(url) ? url + " (" + kVariable + ")" : url;
 }
 
 LcmGroup parseLcmUrl(const std::string& url) {
   static const std::regex kProvider("([a-z]+)://.*");
   static const std::regex kUrl(R"(udpm://([0-9.]*)(:([0-9]{1,5}))?(\?[a-z_]+=[0-9]+(&[a-z_]+=[0-9]+)*)?)");
-  static const std::regex kTtl("[?&]ttl=([0-9]{1,3})(&|$)");
+  static const std::regex kTtl("[?&]ttl=0*([0-9]+)(&|$)");
   const std::string example = std::string(" such as ") + kDefaultLcmUrl;
   std::smatch parts;
   if (std::regex_match(url, parts, kProvider) && parts[1] != "udpm") {
@@ -51,12 +56,13 @@ LcmGroup parseLcmUrl(const std::string& url) {
   if (parts[3].length() > 0) group.port = std::stoi(parts[3]);
   group.options = parts[4];
   std::smatch ttl;
-  if (std::regex_search(group.options, ttl, kTtl)) group.ttl = std::stoi(ttl[1]);
+  if (std::regex_search(group.options, ttl, kTtl))
+    group.ttl = ttl[1].length() > 3 ? kMaxTtl + 1 : std::stoi(ttl[1]);
   in_addr parsed{};
   if (inet_pton(AF_INET, group.address.c_str(), &parsed) != 1 || !IN_MULTICAST(ntohl(parsed.s_addr)))
     fail(url, "names '" + group.address + "', which is not a multicast address (224.0.0.0/4)");
   if (group.port < 1 || group.port > 65535) fail(url, "names a port that is not from 1 to 65535");
-  if (group.ttl > 255) fail(url, "names a ttl that is not from 0 to 255");
+  if (group.ttl > kMaxTtl) fail(url, "names a ttl that is not from 0 to 255");
   return group;
 }
 

@@ -75,7 +75,7 @@ bool GroupSender::send(const std::string& channel, const std::vector<std::uint8_
   datagram_.insert(datagram_.end(), message.begin(), message.end());
   const ssize_t sent = sendto(socket_, datagram_.data(), datagram_.size(), MSG_DONTWAIT,
                               reinterpret_cast<const sockaddr*>(&destination_), sizeof destination_);
-  error_ = sent < 0 ? errorText() : "";
+  if (sent < 0) error_ = errorText();
   return sent >= 0;
 }
 

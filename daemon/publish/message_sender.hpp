@@ -45,7 +45,7 @@ class GroupSender final : public MessageSender {
   explicit GroupSender(const std::string& url);
   ~GroupSender() override;
 
-  /// Why the last message was not sent; empty: it was.
+  /// Why the last message that failed was not sent; empty: none failed.
   const std::string& error() const { return error_; }
 
  private:

@@ -60,6 +60,7 @@ Configuration loadConfiguration(const CommandLine& command_line, const std::stri
   if (!command_line.recording_directory.empty()) {
     // With --record nothing in that folder is deleted to free disk space.
     configuration.recording_directory = std::filesystem::absolute(command_line.recording_directory);
+    configuration.recording_start = cartvo::daemon::RecordingStart::automatic;
   } else if (!configuration.recording_directory.empty()) {
     configuration.recording_quota.recordings = configuration.recording_directory;
     configuration.recording_directory /= start;

@@ -3,6 +3,7 @@
 #include "daemon/service/daemon.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -56,14 +57,15 @@ calib::Rectifier loadRectifier(const calib::Rig& rig, const std::filesystem::pat
 }
 
 /// `clock` stamps the frames and gets the odometry's estimate of the time offset; `page` shows each camera's
-/// frames, unless it is empty. Both must outlive the pipeline.
+/// frames, unless it is nullptr: it may start while the cameras' readers run. `clock` must outlive the
+/// pipeline, the page its runLive().
 pipeline::PipelineSettings pipelineSettings(const calib::Rig& rig, capture::StereoTimestamper& clock,
-                                            const std::unique_ptr<StatusPage>& page) {
+                                            const std::atomic<StatusPage*>& page) {
   return {.image_size = rig.left.size,
           .set_visual_offset = [&clock](const auto& offset) { clock.setVisual(offset); },
           .frame =
               [&page](capture::CameraSide side, const capture::Frame& frame) {
-                if (page) page->addFrame(side, frame);
+                if (StatusPage* const shown = page) shown->addFrame(side, frame);
               }};
 }
 
@@ -115,6 +117,7 @@ class Daemon::Implementation {
   LiveCamera left_;
   LiveCamera right_;
   pipeline::PairProcessor processor_;
+  std::atomic<StatusPage*> shown_page_ = nullptr;  ///< page_, for the cameras' readers
   pipeline::Pipeline pipeline_;
   PosePublisher pose_publisher_;
   HealthMonitor health_;
@@ -142,7 +145,7 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
       right_(configuration, capture::CameraSide::right, rig_.left.size, clock_),
       processor_(rig_, loadRectifier(rig_, configuration.tables),
                  {configuration.odometry, pipeline::AbsentReadout::unknown, configuration.alert_limits}),
-      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_, page_)),
+      pipeline_(left_.source(), right_.source(), processor_, pipelineSettings(rig_, clock_, shown_page_)),
       pose_publisher_(sender_, configuration.pose_channel, configuration.pose_velocity),
       health_(Clock::now(), {rig_.left.readout, rig_.right.readout}),
       next_health_(Clock::now() + kHealthPeriod) {
@@ -160,12 +163,12 @@ Daemon::Implementation::Implementation(const Configuration& configuration)
 void Daemon::Implementation::startServers() {
   try {
     if (configuration_.metrics && !metrics_) startMetrics();
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     warnings_.warn(std::string("no metrics are served yet: ") + error.what());
   }
   try {
     if (configuration_.page.listen && !page_) startPage();
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     warnings_.warn(std::string("the status page is not served yet: page.listen: ") + error.what() +
                    " As a service, another port than 9465 needs SocketBindAllow=");
   }
@@ -184,6 +187,7 @@ void Daemon::Implementation::startPage() {
       settings, rig_.name,
       RecordingControl{[this] { return recording_.start(); }, [this] { return recording_.stop(); }});
   processor_.setViewer(page_->viewer());
+  shown_page_ = page_.get();
   spdlog::info("status page: {}", page_->url());
 }
 
@@ -275,9 +279,10 @@ void Daemon::Implementation::tick() {
 void Daemon::Implementation::watchRoute() {
   const MulticastRoute route = findMulticastRoute(configuration_.lcm_url);
   if (route_ && route_->interface == route.interface) return;
+  if (route_) warnings_.forget(multicastWarning(*route_));
   route_ = route;
-  if (!route.interface.empty())
-    spdlog::info("LCM: the route for {} goes through {}", route.address, route.interface);
+  if (route.interface.empty()) return;  // it is a problem, which is logged
+  spdlog::info("LCM: the route for {} goes through {}", route.address, route.interface);
   if (const std::string warning = multicastWarning(route); !warning.empty()) warnings_.warn(warning);
 }
 
@@ -358,7 +363,7 @@ void checkConfiguration(const Configuration& configuration) {
   for (const CameraConfiguration* camera : {&configuration.left, &configuration.right})
     readPassword(*camera);
   PageAccess(readPageToken(configuration.page), PageReaders::token_holders);
-  findMulticastRoute(configuration.lcm_url);
+  parseLcmUrl(configuration.lcm_url);
 }
 
 }  // namespace cartvo::daemon

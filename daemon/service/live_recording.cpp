@@ -20,6 +20,18 @@
 namespace cartvo::daemon {
 namespace {
 
+/// Of --record, which asks for one recording, in a new folder.
+bool isOfRecordOption(const Configuration& configuration) {
+  return configuration.recording_quota.recordings.empty();
+}
+
+/// Why these cameras cannot be recorded; empty: they can.
+std::string cameraObstacle(const Configuration& configuration) {
+  if (configuration.left.isV4l2() || configuration.right.isV4l2())
+    return "only IP cameras can be recorded, because V4L2 cameras send no encoded video";
+  return {};
+}
+
 void logRecording(spdlog::level::level_enum level, const std::string& text, const char* event) {
   logEvent(level, text, {{"CARTVO_EVENT", "recording"}, {"CARTVO_RECORDING", event}});
 }
@@ -35,9 +47,12 @@ std::string recordingObstacle(const Configuration& configuration) {
   if (configuration.recording_directory.empty()) return {};
   std::error_code ignored;
   std::filesystem::path folder = configuration.recording_directory;
-  const bool is_one = configuration.recording_quota.recordings.empty();  // that of --record
-  if (is_one && std::filesystem::is_directory(folder, ignored) && !std::filesystem::is_empty(folder, ignored))
-    return folder.string() + ": is not empty; give --record a new folder";
+  if (isOfRecordOption(configuration)) {
+    if (std::string obstacle = cameraObstacle(configuration); !obstacle.empty()) return obstacle;
+    std::error_code error;
+    if (std::filesystem::is_directory(folder, ignored) && !std::filesystem::is_empty(folder, error) && !error)
+      return folder.string() + ": is not empty; give --record a new folder";
+  }
   while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
     folder = folder.parent_path();
   const std::string purpose = ": recordings are to be written here, but it ";
@@ -53,8 +68,7 @@ void LiveRecording::observe(LiveCamera& left, LiveCamera& right) {
   right.observe(switch_.right());
   if (configuration_.recording_start == RecordingStart::automatic)
     refused_ = startIn(configuration_.recording_directory);
-  const bool is_asked_for = configuration_.recording_quota.recordings.empty();
-  if (is_asked_for && !refused_.empty())
+  if (isOfRecordOption(configuration_) && !refused_.empty())
     throw std::runtime_error("cartvod ends, because --record asks for a recording that cannot be made");
 }
 
@@ -66,15 +80,8 @@ capture::RecordingSettings LiveRecording::settings() const {
   return settings;
 }
 
-/// Why these cameras cannot be recorded; empty: they can.
-std::string LiveRecording::obstacle() const {
-  if (configuration_.left.isV4l2() || configuration_.right.isV4l2())
-    return "only IP cameras can be recorded, because V4L2 cameras send no encoded video";
-  return {};
-}
-
 std::string LiveRecording::startIn(const std::filesystem::path& folder) {
-  std::string problem = obstacle();
+  std::string problem = cameraObstacle(configuration_);
   try {
     if (problem.empty()) {
       capture::RecordingSettings settings = this->settings();
@@ -94,8 +101,7 @@ std::string LiveRecording::startIn(const std::filesystem::path& folder) {
 std::string LiveRecording::start() {
   if (configuration_.recording_directory.empty())
     return "recording.directory is not configured: there is no folder to record to";
-  if (configuration_.recording_quota.recordings.empty())
-    return "cartvod runs with --record, which makes one recording";
+  if (isOfRecordOption(configuration_)) return "cartvod runs with --record, which makes one recording";
   return startIn(configuration_.recording_quota.recordings / recordingFolderName());
 }
 
@@ -123,7 +129,7 @@ std::string LiveRecording::problem(RepeatedWarnings& warnings) {
 RecordingState LiveRecording::state() {
   RecordingState state;
   const OpenRecording& open = switch_.current();
-  state.is_possible = !configuration_.recording_quota.recordings.empty() && obstacle().empty();
+  state.is_possible = !isOfRecordOption(configuration_) && cameraObstacle(configuration_).empty();
   state.folder = open.folder.string();
   state.is_recording = open.recorder != nullptr;
   if (configuration_.recording_directory.empty()) {

@@ -45,7 +45,6 @@ class LiveRecording {
 
  private:
   capture::RecordingSettings settings() const;
-  std::string obstacle() const;
   std::string startIn(const std::filesystem::path& folder);
 
   const Configuration configuration_;

@@ -32,8 +32,9 @@ void ServiceManager::feedWatchdog() {
   const auto now = std::chrono::steady_clock::now();
   if (now - last_fed_ < feeding_period_) return;
   last_fed_ = now;
-  // systemd arms the watchdog at READY=1. Until then extend the start time-out, so that cameras may be absent
-  // for any time but a stalled stage is still detected.
+  // systemd arms the watchdog at READY=1. Until then extend the start time-out, too, so that cameras may be
+  // absent for any time but a stalled stage is still detected; other managers look at the watchdog from the
+  // start.
   sd_notify(0, is_ready_ ? "WATCHDOG=1" : "WATCHDOG=1\nEXTEND_TIMEOUT_USEC=30000000");
 }
 

@@ -3,13 +3,11 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
-#include <fmt/chrono.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -24,6 +22,7 @@
 #include "tools/cartvo/work_display.hpp"
 #include "tools/doctor/doctor.hpp"
 #include "tools/doctor/report.hpp"
+#include "tools/report/html.hpp"
 
 namespace cartvo {
 namespace {
@@ -69,9 +68,7 @@ void print(const std::string& text) {
 doctor::ReportHead reportHead(const Options& options) {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return {host.data(), fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(now)), CARTVO_VERSION,
-          options.doctor.source.string()};
+  return {host.data(), reportTime(), CARTVO_VERSION, options.doctor.source.string()};
 }
 
 void run(const Options& options) {

@@ -120,13 +120,13 @@ TrimmedRecording trimRecording(const std::filesystem::path& recording, const Tri
   const auto after_first = [first_ns](double seconds) {
     return first_ns + static_cast<std::int64_t>(std::llround(1e9 * std::min(seconds, 1e9)));
   };
-  const double length = 1e-9 * static_cast<double>(lastArrival(recording) - first_ns);
-  if (part.from > length)
-    throw std::runtime_error(recording.string() + ": --from " + fixedText(part.from, 1) +
-                             " is beyond its end: it is " + fixedText(length, 1) + " s long");
   TrimmedCamera left(recording, capture::CameraSide::left, after_first(part.from), after_first(part.to));
   TrimmedCamera right(recording, capture::CameraSide::right, after_first(part.from), after_first(part.to));
   if (left.isFinished() || right.isFinished()) {
+    const double length = 1e-9 * static_cast<double>(lastArrival(recording) - first_ns);
+    if (part.from > length)
+      throw std::runtime_error(recording.string() + ": --from " + fixedText(part.from, 1) +
+                               " is beyond its end: it is " + fixedText(length, 1) + " s long");
     throw std::runtime_error(
         recording.string() + ": contains no picture of the " +
         capture::sideName(left.isFinished() ? capture::CameraSide::left : capture::CameraSide::right) +

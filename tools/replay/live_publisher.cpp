@@ -14,7 +14,6 @@ namespace cartvo {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerMicrosecond = 1000;
-constexpr std::int64_t kMaxPause_us = 10'000'000;  // between two messages; a longer gap is shortened
 
 std::int64_t nowUtime() {
   return wallClockNow() / kNanosecondsPerMicrosecond;
@@ -48,7 +47,8 @@ std::int64_t LivePublisher::moved(std::int64_t recorded_utime) const {
 }
 
 void LivePublisher::send(const odometry_t& recorded) {
-  begin_utime_ -= std::max<std::int64_t>(moved(recorded.utime) - nowUtime() - kMaxPause_us, 0);
+  begin_utime_ -= std::max<std::int64_t>(
+      moved(recorded.utime) - nowUtime() - std::chrono::microseconds(kMaxRecordedPause).count(), 0);
   odometry_t message = recorded;
   message.utime = moved(recorded.utime);
   // Image folders have no arrival times.

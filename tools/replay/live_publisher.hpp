@@ -12,6 +12,9 @@
 
 namespace cartvo {
 
+/// A longer gap in the recorded pace, as of a wrong time stamp, is shortened to this.
+constexpr std::chrono::seconds kMaxRecordedPause{10};
+
 /// Publishes a replay on CARTVO_ODOMETRY as a running daemon would: at the recorded pace, with instants that
 /// are moved to now, so that a controller accepts the messages. Gaps of the recording are silence.
 class LivePublisher {

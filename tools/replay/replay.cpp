@@ -169,7 +169,7 @@ Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
   daemon::SelfCheck self_check({rig.rig.left.readout, rig.rig.right.readout});
   pipeline.replay({[&](const pipeline::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
-                     light.add(result, daemon::odometryMessage(result));
+                     light.add(result, replay.pairs.back().message);
                      self_check.setTexture(light.hasTexture());
                      self_check.update(result.estimate);
                      replay.still_regions = result.estimate.still_regions;

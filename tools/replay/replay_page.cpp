@@ -8,13 +8,13 @@
 #include "daemon/page/page_frame.hpp"
 #include "daemon/page/status_page.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
+#include "tools/replay/live_publisher.hpp"
 
 namespace cartvo {
 namespace {
 
 constexpr std::size_t kNewestSamples = 32;  // in each frame
 constexpr std::chrono::seconds kHealthPeriod{1};
-constexpr std::chrono::seconds kMaxPause{10};  // between two pairs; a longer gap is shortened
 
 }  // namespace
 
@@ -81,7 +81,7 @@ void ReplayPage::waitForPace(std::int64_t exposure_ns) {
   if (!pace_) pace_ = {Clock::now(), exposure_ns};
   const auto since = std::chrono::nanoseconds(
       static_cast<std::int64_t>(static_cast<double>(exposure_ns - pace_->second) / speed_));
-  const Clock::time_point latest = Clock::now() + kMaxPause;
+  const Clock::time_point latest = Clock::now() + kMaxRecordedPause;
   if (pace_->first + since > latest) pace_ = {latest - since, pace_->second};
   changed_.wait_until(lock, pace_->first + since, [this] { return state_ == State::paused; });
   if (state_ != State::paused) return;

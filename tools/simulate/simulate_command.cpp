@@ -165,7 +165,6 @@ void serve(const SimulateOptions& options, const ContentDescription& drive,
   constexpr auto kPollInterval = std::chrono::milliseconds(20);
   constexpr int kMaxPollsAfterEnd = 100;  // two seconds for clients to fetch the last frames
   stopOnSignals();
-  createFolders(options.output);
   if (const auto kept = keepEarlierTruth(options.output))
     printLine("the ground truth of the earlier run is kept: " + kept->string());
   CameraPairSimulation simulation(streams, pairSettings(options));

@@ -88,7 +88,7 @@ void OdometryStatistics::addMessage(const odometry_t& message, std::int64_t rece
   last_reset_counter_ = message.reset_counter;
   last_was_valid_ = isUsableWhenFresh(message);
   if (message.status == odometry_t::VALID && !last_was_valid_) ++counts_.senseless;
-  if ((message.reasons & odometry_t::REASON_NO_PAIR) != 0) {
+  if (!isOfPair(message)) {
     ++counts_.no_pair;
     return;
   }

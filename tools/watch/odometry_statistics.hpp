@@ -14,6 +14,11 @@ namespace cartvo {
 /// than the publication by more than a minute.
 std::optional<double> latencyMs(const odometry_t& message);
 
+/// Whether the message is of a pair: not of one that is missing.
+inline bool isOfPair(const odometry_t& message) {
+  return (message.reasons & odometry_t::REASON_NO_PAIR) == 0;
+}
+
 /// Whether a controller could use the message while it is fresh: VALID, with possible numbers and no reason
 /// against it.
 bool isUsableWhenFresh(const odometry_t& message);

@@ -92,10 +92,6 @@ std::string pathText(const WatchedState& state) {
                      position[1], position[2]);
 }
 
-bool isOfPair(const odometry_t& message) {
-  return (message.reasons & odometry_t::REASON_NO_PAIR) == 0;
-}
-
 std::string timesText(const WatchedState& state) {
   const std::optional<double> latency = latencyMs(state.message);
   std::string text = "–";  // without a pair

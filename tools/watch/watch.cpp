@@ -260,7 +260,7 @@ OdometryStatistics watchOdometry(const WatchSettings& settings) {
       if (!has_message) first = last_pair = Clock::now();
       has_message = true;
       statistics.addMessage(message, wallClockNow());
-      if ((message.reasons & odometry_t::REASON_NO_PAIR) == 0) last_pair = Clock::now();
+      if (isOfPair(message)) last_pair = Clock::now();
       if (screen.isUsed()) {
         screen.addMessage(message);
       } else {

@@ -41,6 +41,7 @@ TEST(LcmUrl, IsRefusedWithTheReason) {
   EXPECT_THAT(errorOf("udpm://10.0.0.1:7667"), HasSubstr("not a multicast address"));
   EXPECT_THAT(errorOf("udpm://239.1.2.3:0"), HasSubstr("port"));
   EXPECT_THAT(errorOf("udpm://239.1.2.3?ttl=300"), HasSubstr("ttl"));
+  EXPECT_THAT(errorOf("udpm://239.1.2.3?ttl=1000"), HasSubstr("ttl"));
 }
 
 TEST(LcmUrl, IsThatOfTheVariableWhereNoneIsGiven) {

@@ -83,7 +83,7 @@ std::optional<LensModel> namedLens(const OpenCvFiles& files) {
     return LensModel::brown;
   // These keys may name a product, too.
   const bool is_lens = files.findAny({"distortion_model", "lens_model"}) ||
-                       containsAny(name->text(), {"omni", "mei", "double", "eucm", "unified"});
+                       containsAny(name->text(), {"omni", "mei", "double", "eucm", "unified", "scaramuzza"});
   if (!is_lens) return std::nullopt;
   name->failExpecting("a pinhole with Brown's distortion (brown), or cv::fisheye's (fisheye)");
 }

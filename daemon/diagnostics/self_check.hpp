@@ -43,7 +43,7 @@ class SelfCheck {
  private:
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
 
-  /// What the texture lets be said.
+  /// None while the texture does not suffice to tell.
   vo::StereoFault reportedFault() const { return texture_suffices_ ? stereo_fault_ : vo::StereoFault::none; }
   bool areMatchesMissing() const { return texture_suffices_ && matches_.matchesMissing(); }
 

@@ -195,7 +195,10 @@ std::optional<Frame> VideoDecoder::receive() {
     const cv::Mat luma = lumaPlane(*picture);
     const auto found = std::find_if(self.pending.begin(), self.pending.end(),
                                     [&](const Pending& p) { return p.sequence == sequence; });
-    if (found == self.pending.end() || luma.empty()) continue;
+    if (found == self.pending.end() || luma.empty()) {
+      ++failures_;
+      continue;
+    }
     const Pending pending = *found;
     self.pending.erase(found);
 

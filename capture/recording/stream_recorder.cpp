@@ -129,7 +129,10 @@ void StreamRecorder::Implementation::enqueue(Item item) {
     if (finishing) return;
     bool& is_in_gap = gap[static_cast<std::size_t>(item.side)];
     if (const EncodedUnit* unit = std::get_if<EncodedUnit>(&item.content)) {
-      if (!accepting) return;
+      if (!accepting) {
+        ++health.missing_pictures;
+        return;
+      }
       const bool has_room = waiting_bytes + unit->data.size() <= settings.queue_bytes;
       is_in_gap = !has_room || (is_in_gap && !unit->key);
       if (is_in_gap) {
@@ -170,9 +173,14 @@ void StreamRecorder::Implementation::write(Item item) {
     return;
   }
   const std::size_t bytes = item.bytes();
-  if (stopped || !writer->write(item.side, std::move(std::get<EncodedUnit>(item.content)))) return;
-  unsynced = true;
+  const bool is_written =
+      !stopped && writer->write(item.side, std::move(std::get<EncodedUnit>(item.content)));
+  unsynced = unsynced || is_written;
   const std::lock_guard lock(mutex);
+  if (!is_written) {
+    ++health.missing_pictures;
+    return;
+  }
   ++health.units;
   health.bytes += bytes;
 }

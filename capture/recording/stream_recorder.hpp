@@ -36,6 +36,7 @@ struct RecorderHealth {
   std::uint64_t units = 0;             ///< pictures written, of both cameras
   std::uint64_t bytes = 0;             ///< of the pictures written
   std::uint64_t dropped_pictures = 0;  ///< not recorded because the disk was too slow
+  std::uint64_t missing_pictures = 0;  ///< not recorded while it was stopped, and then up to a key picture
   std::uint64_t deleted_bytes = 0;     ///< old segments deleted for the quota
   std::uint64_t resumptions = 0;       ///< number of times that recording resumed after a stop
   std::string error;                   ///< why recording stopped; empty while it is running

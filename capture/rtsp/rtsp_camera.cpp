@@ -227,6 +227,7 @@ class RtspCamera::Receiver {
     all.setTotal(StreamRemarks::Kind::structure, assembler.unsupported(),
                  std::to_string(assembler.unsupportedType()));
     all.setTotal(StreamRemarks::Kind::overflow, overflow_);
+    all.setTotal(StreamRemarks::Kind::undecodable, stream_->decoder().failures());
     if (all.text() == remarks_) return;
     remarks_ = all.text();
     timestamper_->setReportNote(side_, all.text(StreamRemarks::Kind::report));
@@ -347,9 +348,7 @@ class RtspCamera::Receiver {
   }
 
   static constexpr std::size_t kMaxQueuedFrames = 16;
-  static constexpr milliseconds kShortestConnection{250};
-  static constexpr milliseconds kLockMargin{1000};
-  static constexpr milliseconds kMaxLock{2 * 60 * 60 * 1000};
+  static constexpr milliseconds kShortestConnection{250}, kLockMargin{1000}, kMaxLock{2 * 60 * 60 * 1000};
 
   const RtspCameraSettings settings_;
   StreamObserver* observer_ = nullptr;

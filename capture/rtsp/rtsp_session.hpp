@@ -10,7 +10,7 @@
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/rtsp/rtsp_error.hpp"
-#include "capture/rtsp/stream_remarks.hpp"
+#include "capture/stream_remarks.hpp"
 
 // One RTSP connection. Internal to RtspCamera.
 

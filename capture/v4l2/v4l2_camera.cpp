@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "capture/frozen_picture_detector.hpp"
+#include "capture/stream_remarks.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
 #include "common/host_clock.hpp"
 #include "common/threads/wake_event.hpp"
@@ -20,6 +21,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
+using Remark = StreamRemarks::Kind;
+
+constexpr const char* kBusRemedy =
+    ": the USB bus may lose data; connect the cameras to different USB controllers or set a lower "
+    "cameras.frame_rate";
 
 void validate(const V4l2CameraSettings& settings) {
   if (settings.device.empty() || settings.size.empty() || !(settings.frame_rate > 0.0))
@@ -80,6 +86,9 @@ class V4l2Camera::Receiver {
     last_driver_sequence_.reset();
     incomplete_ = 0;
     frame_deadline_ = Clock::now() + settings_.stall_timeout;
+    remarks_.emplace();
+    const std::lock_guard lock(mutex_);
+    health_.advice.clear();
   }
 
   bool receive(Frame& frame, Clock::time_point deadline) {
@@ -99,21 +108,31 @@ class V4l2Camera::Receiver {
 
   std::string incompleteText() const {
     if (incomplete_ == 0) return "";
-    return " but " + std::to_string(incomplete_) +
-           " incomplete ones or of another size: the USB bus may lose data; connect the cameras to different "
-           "USB controllers or set a lower cameras.frame_rate";
+    return " but " + std::to_string(incomplete_) + " incomplete ones or of another size" + kBusRemedy;
+  }
+
+  /// Says how many pictures were left out since the camera was opened.
+  void noteRemarks(std::uint64_t missed, bool is_incomplete) {
+    if (missed > 0) remarks_->setTotal(Remark::missed, remarks_->count(Remark::missed) + missed);
+    if (is_incomplete) remarks_->add(Remark::incomplete);
+    if (remarks_->text().empty()) return;
+    const std::lock_guard lock(mutex_);
+    health_.advice = "left out of what the camera " + settings_.device.string() +
+                     " sends: " + remarks_->text() + kBusRemedy;
   }
 
   /// Converts a buffer to a frame. False if it contains no valid picture, which counts as a damaged one.
   bool toFrame(const V4l2Buffer& buffer, Frame& frame) {
     const std::int64_t arrival_ns = hostNow();
     // Some drivers do not count their pictures, or begin anew.
-    if (last_driver_sequence_ && buffer.sequence > *last_driver_sequence_)
-      next_sequence_ += buffer.sequence - *last_driver_sequence_ - 1U;
+    const bool goes_on = last_driver_sequence_ && buffer.sequence > *last_driver_sequence_;
+    const std::uint64_t missed = goes_on ? buffer.sequence - *last_driver_sequence_ - 1U : 0U;
+    next_sequence_ += missed;
     last_driver_sequence_ = buffer.sequence;
     const std::uint64_t sequence = next_sequence_++;
     Frame received;
     received.image = toGreyImage(device_->format(), buffer.data, settings_.size, device_->stride());
+    noteRemarks(missed, received.image.empty() || buffer.damaged);
     if (received.image.empty()) {
       ++incomplete_;
       const std::lock_guard lock(mutex_);
@@ -173,7 +192,8 @@ class V4l2Camera::Receiver {
   Clock::time_point next_attempt_;
   std::optional<std::uint32_t> last_driver_sequence_;
   std::uint64_t next_sequence_ = 0;
-  std::uint64_t incomplete_ = 0;  ///< pictures since the last one that could be decoded
+  std::uint64_t incomplete_ = 0;          ///< pictures since the last one that could be decoded
+  std::optional<StreamRemarks> remarks_;  ///< since the device was opened
 
   mutable std::mutex mutex_;  ///< guards health_
   CameraHealth health_;

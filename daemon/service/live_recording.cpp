@@ -116,7 +116,9 @@ std::string LiveRecording::problem(RepeatedWarnings& warnings) {
   if (!open.recorder) return open.folder.empty() ? refused_ : "";
   const capture::RecorderHealth health = open.recorder->health();
   if (health.resumptions > std::exchange(resumptions_, health.resumptions))
-    logRecording(spdlog::level::info, "recording again, in a new segment in " + open.folder.string(),
+    logRecording(spdlog::level::info,
+                 "recording again, in a new segment in " + open.folder.string() + "; so far " +
+                     std::to_string(health.missing_pictures) + " pictures are missing",
                  "resumed");
   if (health.error.empty()) warnings.forget(error_);
   error_ = health.error;

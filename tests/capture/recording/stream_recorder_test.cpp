@@ -342,6 +342,7 @@ TEST(StreamRecorder, BeginsStoppedWithoutQuotaSpace) {
   recordFortyPictures(recorder);
   recorder.finish();
   EXPECT_EQ(recorder.health().units, 0U);
+  EXPECT_EQ(recorder.health().missing_pictures, 80U);
 }
 
 TEST(RecordingWriter, ProtectsEndedSegmentFromQuotaUntilNextOneBegins) {

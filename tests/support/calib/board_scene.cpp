@@ -1,7 +1,9 @@
 // Simulated and rendered views of boards.
 #include "support/calib/board_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -10,6 +12,8 @@
 
 namespace cartvo::test {
 namespace {
+
+constexpr int kGround = 110, kMarginCells = 4;
 
 Eigen::Vector2d pixelOf(const calib::CameraModel& camera, const calib::Lens& lens,
                         const Eigen::Vector3d& point) {
@@ -36,13 +40,15 @@ std::vector<calib::SeenCorner> seenCorners(const calib::CameraModel& camera,
 }
 
 /// White paper with a margin around the printed pattern; one pixel per cell.
-cv::Mat paper(const calib::BoardSpec& board, double cell, int margin) {
+cv::Mat printedPaper(const calib::BoardSpec& board, double cell) {
   const Eigen::Vector2d extent = calib::boardExtent(board);
   const auto cells = [&](double length) { return static_cast<int>(std::lround(length / cell)); };
-  cv::Mat image(cells(extent.y()) + 2 * margin, cells(extent.x()) + 2 * margin, CV_8UC1, cv::Scalar(230));
+  cv::Mat image(cells(extent.y()) + 2 * kMarginCells, cells(extent.x()) + 2 * kMarginCells, CV_8UC1,
+                cv::Scalar(230));
   for (const cv::Rect2d& black : calib::boardBlackRectangles(board)) {
-    const cv::Point first(cells(black.x) + margin, cells(black.y) + margin);
-    const cv::Point last(cells(black.x + black.width) + margin, cells(black.y + black.height) + margin);
+    const cv::Point first(cells(black.x) + kMarginCells, cells(black.y) + kMarginCells);
+    const cv::Point last(cells(black.x + black.width) + kMarginCells,
+                         cells(black.y + black.height) + kMarginCells);
     image(cv::Rect(first, last)).setTo(25);
   }
   return image;
@@ -60,6 +66,34 @@ std::vector<Eigen::Vector3d> cornerRays(const calib::CameraModel& camera) {
   }
   return rays;
 }
+
+/// The paper on grey ground, as rays in the axes of the board see it.
+class PaperInView {
+ public:
+  PaperInView(cv::Mat printed, const Eigen::Isometry3d& T_camera_board, double cell)
+      : printed_(std::move(printed)), eye_(T_camera_board.inverse().translation()), cell_(cell) {}
+
+  /// The cell that a ray meets. Left of the paper all are column -1, and so on. The rays of a cell are a
+  /// convex cone: if the rays through the corners of a pixel meet one cell, all rays of the pixel do.
+  cv::Point cellOf(const Eigen::Vector3d& ray) const {
+    const double distance = -eye_.z() / ray.z();
+    if (std::abs(ray.z()) < 1e-9 || distance <= 0.0) return {-2, -2};
+    const double column = std::floor((eye_.x() + distance * ray.x()) / cell_) + kMarginCells,
+                 row = std::floor((eye_.y() + distance * ray.y()) / cell_) + kMarginCells;
+    return {static_cast<int>(std::clamp<double>(column, -1.0, printed_.cols)),
+            static_cast<int>(std::clamp<double>(row, -1.0, printed_.rows))};
+  }
+
+  double shade(const cv::Point& cell) const {
+    const bool is_paper = cell.x >= 0 && cell.y >= 0 && cell.x < printed_.cols && cell.y < printed_.rows;
+    return is_paper ? printed_.at<std::uint8_t>(cell.y, cell.x) : kGround;
+  }
+
+ private:
+  cv::Mat printed_;
+  Eigen::Vector3d eye_;
+  double cell_;
+};
 
 }  // namespace
 
@@ -98,31 +132,33 @@ std::vector<calib::BoardView> boardViews(const calib::Rig& rig, const calib::Boa
 
 cv::Mat renderBoard(const calib::CameraModel& camera, const Eigen::Isometry3d& T_camera_board,
                     const calib::BoardSpec& board, double cell) {
-  constexpr int kSamples = 8, kGround = 110, kMarginCells = 4;
-  const cv::Mat printed = paper(board, cell, kMarginCells);
-  const std::vector<Eigen::Vector3d> rays = cornerRays(camera);
-  const Eigen::Isometry3d T_board_camera = T_camera_board.inverse();
-  const Eigen::Vector3d eye = T_board_camera.translation();
-  const auto shade = [&](const Eigen::Vector3d& ray) -> double {
-    const Eigen::Vector3d d = T_board_camera.linear() * ray;
-    if (std::abs(d.z()) < 1e-9 || -eye.z() / d.z() <= 0.0) return kGround;
-    const Eigen::Vector3d point = eye - eye.z() / d.z() * d;
-    const double column = std::floor(point.x() / cell) + kMarginCells,
-                 row = std::floor(point.y() / cell) + kMarginCells;
-    const bool is_paper = column >= 0.0 && row >= 0.0 && column < printed.cols && row < printed.rows;
-    return is_paper ? printed.at<std::uint8_t>(static_cast<int>(row), static_cast<int>(column)) : kGround;
-  };
+  constexpr int kSamples = 8;
+  const PaperInView paper(printedPaper(board, cell), T_camera_board, cell);
+  std::vector<Eigen::Vector3d> rays = cornerRays(camera);
+  std::vector<cv::Point> cells;
+  for (Eigen::Vector3d& ray : rays) {
+    ray = T_camera_board.linear().transpose() * ray;
+    cells.push_back(paper.cellOf(ray));
+  }
   cv::Mat image(camera.size, CV_32FC1);
   const int stride = camera.size.width + 1;
   for (int row = 0; row < image.rows; ++row) {
     for (int column = 0; column < image.cols; ++column) {
       const auto at = static_cast<std::size_t>(row) * stride + column;
-      double sum = 0.0;
-      for (int sample = 0; sample < kSamples * kSamples; ++sample) {
-        const int across = sample % kSamples, down = sample / kSamples;
-        const double x = (across + 0.5) / kSamples, y = (down + 0.5) / kSamples;
-        sum += shade((1.0 - y) * ((1.0 - x) * rays[at] + x * rays[at + 1]) +
-                     y * ((1.0 - x) * rays[at + stride] + x * rays[at + stride + 1]));
+      const bool is_in_one_cell = cells[at] == cells[at + 1] && cells[at] == cells[at + stride] &&
+                                  cells[at] == cells[at + stride + 1];
+      double sum = kSamples * kSamples * paper.shade(cells[at]);
+      if (!is_in_one_cell) {
+        sum = 0.0;
+        for (int down = 0; down < kSamples; ++down) {
+          const double y = (down + 0.5) / kSamples;
+          const Eigen::Vector3d left = (1.0 - y) * rays[at] + y * rays[at + stride];
+          const Eigen::Vector3d right = (1.0 - y) * rays[at + 1] + y * rays[at + stride + 1];
+          for (int across = 0; across < kSamples; ++across) {
+            const double x = (across + 0.5) / kSamples;
+            sum += paper.shade(paper.cellOf((1.0 - x) * left + x * right));
+          }
+        }
       }
       image.at<float>(row, column) = static_cast<float>(sum / (kSamples * kSamples));
     }

@@ -1,13 +1,18 @@
 // Counters and texts of what a camera sends and what is left out.
 
-#include "capture/rtsp/stream_remarks.hpp"
+#include "capture/stream_remarks.hpp"
 
 namespace cartvo::capture {
 namespace {
 
 using Remark = StreamRemarks::Kind;
 
-constexpr std::uint64_t kNamedFrom = 100;  ///< late packets
+constexpr std::uint64_t kNamedFrom = 100;  ///< kinds of which single ones are normal
+
+constexpr bool areSingleOnesNormal(Remark kind) {
+  return kind == Remark::late || kind == Remark::undecodable || kind == Remark::incomplete ||
+         kind == Remark::missed;
+}
 
 /// The largest power of ten up to a number; 0 of 0.
 std::uint64_t powerOfTen(std::uint64_t number) {
@@ -38,6 +43,12 @@ std::string nameOf(Remark kind, const std::string& detail) {
       return "UDP packets that came too late or twice";
     case Remark::overflow:
       return "frames that were not read in time";
+    case Remark::undecodable:
+      return "pictures that cannot be decoded";
+    case Remark::incomplete:
+      return "pictures that are incomplete or of another size";
+    case Remark::missed:
+      return "pictures that its driver lost";
   }
   return {};
 }
@@ -48,7 +59,7 @@ void StreamRemarks::setTotal(Kind kind, std::uint64_t total, std::string_view de
   Entry& entry = entries_[static_cast<std::size_t>(kind)];
   if (total == entry.count) return;
   entry.count = total;
-  const std::uint64_t named = kind == Kind::late && total < kNamedFrom ? 0 : powerOfTen(total);
+  const std::uint64_t named = areSingleOnesNormal(kind) && total < kNamedFrom ? 0 : powerOfTen(total);
   if (named == entry.named) return;
   entry.named = named;
   entry.detail = detail;

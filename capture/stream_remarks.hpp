@@ -21,8 +21,11 @@ class StreamRemarks {
     report,        ///< sender reports that do not belong to the pictures; detail: why
     late,          ///< UDP packets that came too late or twice
     overflow,      ///< frames that were not read in time
+    undecodable,   ///< pictures that the decoder refused or gave nothing for
+    incomplete,    ///< pictures of a camera of this computer that lack data or have another size
+    missed,        ///< pictures that its driver has counted, but not delivered
   };
-  static constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::overflow) + 1;
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::missed) + 1;
 
   /// Counts up to a total. `detail`: of the latest one.
   void setTotal(Kind kind, std::uint64_t total, std::string_view detail = {});
@@ -31,7 +34,8 @@ class StreamRemarks {
   std::uint64_t count(Kind kind) const { return entries_[static_cast<std::size_t>(kind)].count; }
 
   /// Names what was left out, with the order of its number, so that the text seldom changes: "packets on
-  /// channel 2 (100 or more)"; empty if nothing was. Single late packets are normal and not named.
+  /// channel 2 (100 or more)"; empty if nothing was. Single late packets and lost pictures are normal and not
+  /// named.
   const std::string& text() const { return text_; }
 
   /// The part of the text about one kind.

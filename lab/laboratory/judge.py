@@ -22,11 +22,11 @@ EXAMPLES = """  lab/lab judge --json --output before.json                    the
 SET = "tuning"
 STANDING = 1e-3  # m: a true motion below it at a reported standstill is no sample, as in cartvo replay
 LEGEND = """Each rendered drive is cut into pieces, which the odometry begins anew, and replayed with each noise seed: noise that is added to the
-pictures as they were rendered (0: none). Of VALID messages: RPE: root mean square error of the motion since the pair before. NLL: mean
-negative log likelihood (nats a message) of the true motion of the rectified left camera, and of the true velocity and rates of the
-body, under their stated covariance: smaller is better. NEES: mean per dimension; * is outside the 95 % band of a consistent
-estimator with as many independent messages as their autocorrelation says. A standstill that is stated as such is no sample of NLL and
-NEES. available: share of VALID messages; one without a usable covariance counts as INVALID. Segments of 5 to 40 m scatter by a
+pictures as they were rendered (0: none). Of VALID messages: RPE: root mean square error of the motion since the pair before, by the
+published poses. NLL: mean negative log likelihood (nats a message) of the true motion of the rectified left camera, and of the true
+velocity and rates of the body, under their stated covariance: smaller is better. NEES: mean per dimension; * is outside the 95 % band of a
+consistent estimator with as many independent messages as their autocorrelation says. A standstill that is stated as such is no sample of
+NLL and NEES. available: share of VALID messages; one without a usable covariance counts as INVALID. Segments of 5 to 40 m scatter by a
 quarter over noise seeds: they are reported, and no reason to choose."""
 
 
@@ -37,8 +37,8 @@ def add_options(parser):
     parser.add_argument("--piece-seconds", type=float, default=4.0, metavar="N", help="length of a piece of a drive (default: 4)")
     parser.add_argument("--offset-ms", type=float, default=0.0, metavar="MS", help="the right camera is exposed later")
     parser.add_argument("--readout-ms", default="0", metavar="BOTH|LEFT,RIGHT", help="readout of the cameras; the odometry knows it")
-    parser.add_argument("--against", type=pathlib.Path, metavar="FILE|DIR", help="earlier results (--json, or of jobs): prints by how much these "
-                        "are better or worse")
+    parser.add_argument("--against", type=pathlib.Path, metavar="FILE|DIR",
+                        help="earlier results (--json, or of jobs): prints by how much these are better or worse")
 
 
 def cases(options):
@@ -83,16 +83,18 @@ def alert_limits(cartvo, text):
     return limits
 
 
-def errors_of(estimate, truth):
-    """Errors of a message by name; None if it is INVALID or has no usable covariance."""
+def errors_of(estimate, path, truth):
+    """Errors of a message by name; None if it is INVALID or has no usable covariance. path: published poses by the number of the pair."""
     import numpy as np
     camera = estimate.camera
     if not estimate.valid or not camera.time_step > 0.0:
         return None
     end = 1e-9 * estimate.exposure_ns
-    true_motion, true_twist = truth.motion(end - camera.time_step, end), truth.twist(end)
+    start = end - camera.time_step
+    true_motion, true_twist = truth.motion(start, end), truth.twist(end)
+    published = motion_error(np.linalg.inv(path[truth.pair(start)]) @ path[truth.pair(end)], true_motion)
     error = motion_error(camera.motion, true_motion)
-    found = {"rpe_m": math.hypot(*error[:3]), "rpe_deg": math.degrees(math.hypot(*error[3:]))}
+    found = {"rpe_m": math.hypot(*published[:3]), "rpe_deg": math.degrees(math.hypot(*published[3:]))}
     if abs(camera.motion - np.eye(4)).max() < 1e-12 and math.hypot(*true_motion[:3, 3]) < STANDING:
         return found
     parts = {"motion": likelihood(error, camera.motion_covariance)}
@@ -106,7 +108,7 @@ def errors_of(estimate, truth):
 def measure_one(bench, case):
     """The figures of a piece of a drive with a noise seed."""
     cartvo, labels = bench.cartvo.module(), case.labels
-    messages, path, start, epoch = [], [], None, 0
+    messages, path, start, last = [], {}, None, None
     with tempfile.TemporaryDirectory(prefix="cartvo-lab-") as work:
         work = pathlib.Path(work)
         source = measure.source_of(measure.prepared(bench, case), work)
@@ -116,14 +118,15 @@ def measure_one(bench, case):
                                          alert_limits=alert_limits(cartvo, bench.alert_limits))
         for number, pair in itertools.islice(enumerate(recording), labels["first_pair"], labels["first_pair"] + labels["pairs"]):
             estimate = processor.process(with_noise(cartvo, pair, number, labels))
-            if path and estimate.epoch != epoch:  # an epoch begins at the pair before
-                start = path[-1]
-            epoch = estimate.epoch
-            path.append(estimate.camera.pose if start is None else start @ estimate.camera.pose)
-            messages.append((estimate.exposure_ns, errors_of(estimate, truth)))
+            if last and estimate.epoch != last[0]:  # an epoch begins at the pair before
+                start = path[last[1]]
+            last = estimate.epoch, truth.pair(1e-9 * estimate.exposure_ns)
+            path[last[1]] = estimate.camera.pose if start is None else start @ estimate.camera.pose
+            messages.append(errors_of(estimate, path, truth))
         if len(path) < 2:
-            raise LabError(f"{source.folder}: has no pairs from number {labels['first_pair']} on; remove the folder, so that it is rendered again")
-        for name, poses in (("poses", [truth.left_pose(pose) for pose in path]), ("truth", [truth.poses[truth.pair(1e-9 * t)] for t, _ in messages])):
+            raise LabError(f"{source.folder}: has no pairs from number {labels['first_pair']} on; expected {labels['pairs']}; remove the "
+                           "folder, so that it is rendered again")
+        for name, poses in (("poses", map(truth.left_pose, path.values())), ("truth", (truth.poses[number] for number in path))):
             (work / f"{name}.txt").write_text("".join(" ".join(f"{value:.12g}" for value in pose[:3].ravel()) + "\n" for pose in poses))
         evaluation = bench.cartvo.evaluate(work / "poses.txt", work / "truth.txt")
     return {"sequence": case.sequence, "set": case.drive.set, "features": case.features, **labels, **statistics(messages),
@@ -132,7 +135,7 @@ def measure_one(bench, case):
 
 def statistics(messages):
     """Lists of a value for each message, null where it has none, and both NEES. The first pair has no motion."""
-    errors = [found or {} for _, found in messages[1:]]
+    errors = [found or {} for found in messages[1:]]
     nees = {}
     for what in ("motion", "velocity"):
         values = [error[f"nees_{what}"] for error in errors if f"nees_{what}" in error]

@@ -7,13 +7,13 @@ from laboratory.table import NONE, Table
 
 LISTS = ("rpe_m", "rpe_deg", "nll_motion", "nll_velocity")  # a value for each message
 COLUMNS = ("sequence", "set", "noise_seed", "noise", "piece", "first_pair", "pairs", *LISTS, "nees_motion", "nees_velocity", "evaluation")
-FLOORS = {"rpe_m": 1e-5, "rpe_deg": 1e-4}  # a thirtieth of usual errors: of standing carts they may be 0, and have no logarithm
+FLOORS = {"rpe_m": 1e-5, "rpe_deg": 1e-4}  # a thirtieth of usual errors: those of a standing cart may be 0, without a logarithm
 FEWEST_DRIVES = 4
-LEGEND = """The test pairs each replay with the same one before, by messages that are VALID in both, and takes the mean of each drive: ratios of RPE
-and of segments by their logarithms, differences of NLL, shares of VALID messages as they are. Replays of a drive are not independent, drives
+LEGEND = """The test pairs each replay with the same one before, by messages that are VALID in both, and takes the mean of each drive: ratios of RPE and
+of segments by their logarithms, differences of NLL, shares of VALID messages as they are. Replays of a drive are not independent, drives
 are: ± is the standard error of the mean over drives, and a difference counts if it is outside the interval of 95 % of Student's t (1908)
-with a degree of freedom less than drives (cluster means: A. Donner, N. Klar, Design and Analysis of Cluster Randomization Trials, 2000).
-Of twenty comparisons without a difference one will count. A change that makes fewer messages VALID is worse, whatever the others say."""
+with a degree of freedom less than drives (cluster means: A. Donner, N. Klar, Design and Analysis of Cluster Randomization Trials, 2000). Of
+twenty comparisons without a difference one will count. A change that makes fewer messages VALID is worse, whatever the others say."""
 
 
 def checked(path, results):
@@ -35,10 +35,11 @@ def check_same(path, before, now):
     """Refuses results of other drives, noise or pieces."""
     told, wanted = {key_of(result) for result in before}, {key_of(result) for result in now}
     if told != wanted:
-        sequence, seed, noise, piece, *_ = sorted(told ^ wanted)[0]
-        where = "only there" if (told - wanted) and sorted(told ^ wanted)[0] in told else "not there"
-        raise LabError(f"{path}: other replays ({len(told)}, {len(told & wanted)} of them also here) than the {len(wanted)} here; {where}: "
-                       f"{sequence}, noise seed {seed} of {noise:g} grey levels, piece {piece}; measure both with the same options")
+        unlike = sorted(told ^ wanted)[0]
+        sequence, seed, noise, piece, *_ = unlike
+        raise LabError(f"{path}: has {len(told)} replays, {len(told & wanted)} of them of the {len(wanted)} to compare; "
+                       f"{'only' if unlike in told else 'not'} there: {sequence}, noise seed {seed} of {noise:g} grey levels, piece {piece}; "
+                       "measure both with the same options")
 
 
 def quantile(freedom):
@@ -101,8 +102,8 @@ def comparison(before, now, path):
     """A table of a row for each drive, and a line of text for each figure."""
     check_same(path, before, now)
     old = {key_of(result): result for result in before}
-    table = Table(["drive", "VALID in both", "only before", "only now", *(name + (", %" if is_ratio else "") for _, name, _, is_ratio, _ in FIGURES)],
-                  "Now against before")
+    header = ["drive", "VALID in both", "only before", "only now"]
+    table = Table([*header, *(f"{name}, change in %" if is_ratio else name for _, name, _, is_ratio, _ in FIGURES)], "Now against before")
     means = {key: [] for key, *_ in FIGURES}
     for drive, group in groups(now, lambda r: r["sequence"]).items():
         pairs = [(old[key_of(result)], result) for result in group]

@@ -116,14 +116,18 @@ def estimate_at(circle, instant, **changed):
 
 
 def test_a_message_is_judged_by_its_own_covariance(circle):
-    exact = judge.errors_of(estimate_at(circle, 1.0), circle)
+    path = {17: np.eye(4), 18: circle.motion(17 / 18, 1.0)}
+    exact = judge.errors_of(estimate_at(circle, 1.0), path, circle)
     assert exact["rpe_m"] < 1e-9 and exact["nees_velocity"] < 1e-9
     assert exact["nll_motion"] == pytest.approx(3.0 * math.log(2.0 * math.pi * 1e-8))
-    off = judge.errors_of(estimate_at(circle, 1.0, velocity=circle.twist(1.0)[:3] + [0.03, 0, 0]), circle)
+    off = judge.errors_of(estimate_at(circle, 1.0, velocity=circle.twist(1.0)[:3] + [0.03, 0, 0]), path, circle)
     assert off["nees_velocity"] == pytest.approx(9.0 / 6.0) and off["nll_velocity"] - exact["nll_velocity"] == pytest.approx(4.5)
-    assert judge.errors_of(estimate_at(circle, 1.0, valid=False), circle) is None
-    assert judge.errors_of(estimate_at(circle, 1.0, twist_covariance=np.zeros((6, 6))), circle) is None
-    found = judge.statistics([(0, None), (1, None), (2, exact)])
+    path[18][0, 3] += 0.002
+    moved = judge.errors_of(estimate_at(circle, 1.0), path, circle)
+    assert moved["rpe_m"] == pytest.approx(0.002) and moved["nees_motion"] < 1e-9, "the pose was published, the motion is as estimated now"
+    assert judge.errors_of(estimate_at(circle, 1.0, valid=False), path, circle) is None
+    assert judge.errors_of(estimate_at(circle, 1.0, twist_covariance=np.zeros((6, 6))), path, circle) is None
+    found = judge.statistics([None, None, exact])
     assert found["rpe_m"][0] is None and found["nll_motion"][1] < 0 and found["nees_velocity"]["samples"] == 1
 
 

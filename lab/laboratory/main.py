@@ -3,11 +3,11 @@ import argparse
 import json
 import sys
 
-from laboratory import accuracy, jobs, offset, options as shared, robustness, sensitivity, shutter, speed, stanford, thesis
+from laboratory import accuracy, jobs, judge, offset, options as shared, robustness, sensitivity, shutter, speed, stanford, thesis
 from laboratory.measure import Bench, measure_all
 from laboratory.program import Cartvo, LabError
 
-COMMANDS = {"accuracy": accuracy, "offset": offset, "shutter": shutter, "robustness": robustness, "speed": speed,
+COMMANDS = {"accuracy": accuracy, "judge": judge, "offset": offset, "shutter": shutter, "robustness": robustness, "speed": speed,
             "sensitivity": sensitivity, "thesis": thesis, "stanford": stanford}
 ABOUT = """Measures the odometry on real sequences and on rendered drives with known truth, by the commands of cartvo.
 
@@ -33,7 +33,7 @@ def parser():
 def printed(module, command, arguments, results, options, job, count):
     if options.json:
         return json.dumps(jobs.document(command, arguments, results, job, count), indent=1) + "\n"
-    tables, notes = module.report(results)
+    tables, notes = module.report(results, options) if module is judge else module.report(results)
     form = "markdown" if options.markdown else "text"
     return "\n".join([*(getattr(table, form)() for table in tables), notes]) + "\n"
 
@@ -58,7 +58,10 @@ def run(program, arguments):
             raise LabError(f"--only {options.only}: expected 1 to {count}")
         cases = cases[job - 1:job] if job else cases
         bench = Bench(Cartvo(options.cartvo), options.cache_dir.resolve(), options.threads, options.alert_limits, options.jobs)
-        results = getattr(module, "measure_all", measure_all)(bench, cases)
+        if hasattr(module, "measure_one"):
+            results = measure_all(bench, cases, module.measure_one)
+        else:
+            results = getattr(module, "measure_all", measure_all)(bench, cases)
     return printed(module, command, arguments, results, options, job, count), options.output
 
 

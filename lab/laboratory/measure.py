@@ -198,13 +198,13 @@ def measure(bench, case):
             "features": case.features, **{key: value for key, value in case.labels.items() if key != "wants"}, **values}
 
 
-def measure_all(bench, cases):
-    """The results of the cases in their order. Drives are rendered first, each once."""
+def measure_all(bench, cases, one=measure):
+    """The results one(bench, case) of the cases in their order. Drives are rendered first, each once."""
     with concurrent.futures.ThreadPoolExecutor(max(1, bench.jobs // 2)) as pool:  # rendering takes two threads
         distinct = {(case.drive or case.folder, case.bitrate_kbps): case for case in cases}
         show("rendered", [pool.submit(prepared, bench, case) for case in distinct.values()])
     with concurrent.futures.ThreadPoolExecutor(bench.jobs) as pool:
-        return show("replayed", [pool.submit(measure, bench, case) for case in cases])
+        return show("replayed", [pool.submit(one, bench, case) for case in cases])
 
 
 def show(what, futures):

@@ -44,7 +44,8 @@ def add_common(parser, jobs=None):
     shared = parser.add_argument_group("work on several computers").add_mutually_exclusive_group()
     shared.add_argument("--list", metavar="DIR", help="measure nothing: print a command for each row, which writes its result to "
                         "DIR/NUMBER.json; tools/slurm/run_jobs runs them on a cluster")
-    shared.add_argument("--merge", type=pathlib.Path, metavar="DIR", help="measure nothing: the table of the results in DIR")
+    shared.add_argument("--merge", type=pathlib.Path, metavar="DIR|FILE", help="measure nothing: the table of the results in DIR, or "
+                        "in a file of --json")
     shared.add_argument("--only", type=int, metavar="NUMBER", help="measure only this row, from 1")
 
 

@@ -4,6 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -31,6 +32,20 @@ class Cartvo:
         if failure_allowed:
             return None
         raise LabError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr[-1000:].strip()}")
+
+    def module(self):
+        """The Python module cartvo of the program's build; of an installed program the installed one."""
+        built = pathlib.Path(shutil.which(self.path)).resolve().parent.parent.parent
+        if (built / "CMakeCache.txt").exists() and str(built / "python") not in sys.path:
+            sys.path.insert(0, str(built / "python"))
+        try:
+            import cartvo
+        except ImportError as error:
+            raise LabError(f"the Python module cartvo is missing ({error}); build it (cmake -D CARTVO_PYTHON=ON), or install python3-cartvo"
+                           ) from None
+        if (built / "CMakeCache.txt").exists() and built not in pathlib.Path(cartvo.__file__).resolve().parents:
+            raise LabError(f"{cartvo.__file__}: not of the build of {self.path}; build its Python module (cmake -D CARTVO_PYTHON=ON)")
+        return cartvo
 
     def evaluate(self, estimate, truth, *arguments):
         return json.loads(self.run("evaluate", estimate, truth, "--json", *arguments))

@@ -4,15 +4,13 @@ import dataclasses
 import json
 import math
 import pathlib
-import sys
 import tempfile
-import concurrent.futures
 
 from laboratory import drives, measure
 from laboratory.measure import Case
 from laboratory.options import words
 from laboratory.matrix import START
-from laboratory.program import ROOT, LabError
+from laboratory.program import Cartvo, LabError
 from laboratory.table import NONE, Table, fixed
 
 HELP = "How much the results depend on each tuned constant: each a little smaller and larger, beside runs that differ by chance"
@@ -26,17 +24,6 @@ from pair to pair, invalid pairs, VALID messages above an alert limit. effect: t
 chance (other random subsets, 2 % fewer and more landmarks). Errors are those of the body's path."""
 
 
-def module():
-    """The Python module cartvo, of the release build or installed."""
-    sys.path.append(str(ROOT / "build/release/python"))
-    try:
-        import cartvo
-    except ImportError as error:
-        raise LabError(f"the Python module cartvo is missing ({error}); build it (cmake -D CARTVO_PYTHON=ON), or install python3-cartvo"
-                       ) from None
-    return cartvo
-
-
 def add_options(parser):
     parser.add_argument("--constants", type=words(), metavar="LIST", help="names, or list: print them all and measure nothing (default: all)")
     parser.add_argument("--factor", type=float, default=1.3, metavar="F", help="each is divided and multiplied by it, within its range")
@@ -47,7 +34,7 @@ def add_options(parser):
 def text(options):
     if options.constants != ["list"]:
         return None
-    cartvo = module()
+    cartvo = Cartvo(options.cartvo).module()
     tables = []
     for title, constants in (("Tuned constants", cartvo.tuned_constants()), ("Limits of the product", cartvo.product_limits())):
         tables.append(Table(["name", "default", "unit", "range", "source"], title))
@@ -67,7 +54,7 @@ def values_of(constant, factor):
 
 
 def cases(options):
-    constants = {one.name: one for one in module().tuned_constants()}
+    constants = {one.name: one for one in Cartvo(options.cartvo).module().tuned_constants()}
     names = options.constants or list(constants)
     if unknown := [name for name in names if name not in constants]:
         raise LabError(f"--constants: there is no tuned constant {unknown[0]}; --constants list prints all")
@@ -118,7 +105,8 @@ def write_odometry(cartvo, folder, settings, out):
     (out / "summary.json").write_text(json.dumps({"rig": {"T_body_camera": [*recording.rig.T_body_camera[:3].ravel()]}}))
 
 
-def measure_one(bench, cartvo, case):
+def measure_one(bench, case):
+    cartvo = bench.cartvo.module()
     settings = cartvo.Settings(features=case.features)
     if change := case.labels["change"]:
         if change[0] in ("seed", "features"):
@@ -135,14 +123,6 @@ def measure_one(bench, cartvo, case):
         found = bench.cartvo.evaluate(work / "out/odometry.csv", source.body or source.poses, *bench.limits)
         invalid = sum(row["valid"] == "0" for row in measure.read_csv(work / "out/odometry.csv"))
     return {"sequence": case.sequence, **case.labels, "invalid": invalid, "above_limit": found["validity"]["above_limit"], "evaluation": found}
-
-
-def measure_all(bench, cases):
-    cartvo = module()
-    for case in cases:
-        measure.prepared(bench, case)
-    with concurrent.futures.ThreadPoolExecutor(bench.jobs) as pool:
-        return measure.show("replayed", [pool.submit(measure_one, bench, cartvo, case) for case in cases])
 
 
 def changes(reference, results):

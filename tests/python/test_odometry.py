@@ -1,6 +1,8 @@
 """Odometry on images: the results of `cartvo replay`, and wrong input."""
 import gc
 import math
+import subprocess
+import sys
 import threading
 
 import cartvo
@@ -213,3 +215,22 @@ def test_wrong_cameras_and_masks_are_refused(camera, image):
     black = np.zeros_like(image)
     masked = cartvo.Odometry(camera, left_mask=black, right_mask=black)
     assert masked.process(image, image, 0, 0).detected == 0
+
+
+def test_first_arrays_of_several_threads_are_taken():
+    program = """
+import subprocess
+import sys
+import threading
+import cartvo
+import numpy as np
+picture = np.zeros((4, 4), np.uint8)
+start = threading.Barrier(8)
+threads = [threading.Thread(target=lambda: (start.wait(), cartvo.Pair(picture, picture, 0, 0))) for _ in range(8)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+"""
+    for _ in range(5):
+        subprocess.run([sys.executable, "-c", program], check=True, timeout=60)

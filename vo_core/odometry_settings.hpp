@@ -12,6 +12,7 @@ namespace cartvo::vo {
 enum class Estimator : std::uint8_t {
   reprojection,  ///< robust least squares on the reprojection error in both images over a window of pairs
   thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
+  window,        ///< as reprojection, but one likelihood of a continuous trajectory, its past marginalised
 };
 
 /// Number of pyramid levels that landmark patches are taken from: the full image and its half.

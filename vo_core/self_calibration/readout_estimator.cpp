@@ -31,6 +31,12 @@ void ReadoutEstimator::update(const ReadoutEquation& equation) {
     addImage(measured, variance);
 }
 
+void ReadoutEstimator::set(const EstimateWithStddev& estimate) {
+  if (known_) return;
+  used_ = estimate_ = estimate.value;
+  variance_ = square(estimate.stddev);
+}
+
 /// Kalman update. `variance`: of the measured readout.
 void ReadoutEstimator::addImage(double measured, double variance) {
   variance_ += square(readout::kDrift * model_stddev_);

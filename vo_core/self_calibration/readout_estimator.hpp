@@ -23,6 +23,9 @@ class ReadoutEstimator {
   /// Adds the equation of an image whose rows were timed with used().
   void update(const ReadoutEquation& equation);
 
+  /// Replaces the estimate (s) of a readout that is not known by that of another estimator.
+  void set(const EstimateWithStddev& estimate);
+
   double used() const { return used_; }  ///< s, to time rows with; 0: a global shutter
   double stddev() const;                 ///< s, of used(); 0 if known
   /// Whether used() may be far off: the images have not shown it yet.

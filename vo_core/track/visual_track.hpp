@@ -25,6 +25,7 @@
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 #include "vo_core/tracking/row_correction.hpp"
+#include "vo_core/window/track_window.hpp"
 
 // One track of `estimator: reprojection`: tracking, pose search and bundle adjustment for each pair.
 
@@ -185,12 +186,18 @@ class VisualTrack {
   std::optional<Eigen::Isometry3d> motionByLongerReadouts(Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void updateLandmarks(Draft& draft);
+  bool usesWindow() const { return settings_.estimator == Estimator::window; }
   void keepReadoutError(Draft& draft, Vector6d& error) const;
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion) const;
   RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
                                   const RigCorrection& applied);
+
+  // visual_track_window.cpp
+  bool adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  SharedPrior sharedPrior(const PreparedPair& pair, const Draft& draft) const;
+  void timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft);
 
   StereoCamera camera_;
   OdometrySettings settings_;
@@ -223,6 +230,7 @@ class VisualTrack {
   std::vector<Landmark> kept_landmarks_;
   PatchOverlap overlap_;
   BundleAdjuster adjuster_;
+  TrackWindow track_window_;  ///< with `estimator: window`
   RowMotionProblem row_problem_;
   RowMotionEstimator row_motion_;
   RowRegression row_regression_;

@@ -123,9 +123,10 @@ bool VisualTrack::lacksStereo(TrackedMotion& motion) {
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
   draft.estimates = estimates_;
   std::optional<Matrix6d> by_rows;
-  if (timing_.isRolling()) by_rows = estimateRowMotion(draft);
+  if (timing_.isRolling() && !usesWindow()) by_rows = estimateRowMotion(draft);
   std::optional<Eigen::Isometry3d> by_longer_readouts;
-  if (draft.estimates.readouts.areUncertain()) by_longer_readouts = motionByLongerReadouts(draft);
+  if (draft.estimates.readouts.areUncertain() && !usesWindow())
+    by_longer_readouts = motionByLongerReadouts(draft);
   const BundleResult result = adjustWithRig(draft);
   if (!result.converged) {
     motion.reason = OdometryReason::degenerate_geometry;
@@ -137,10 +138,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.error = updateUncertainties(
       bundle_, result, {overlap_.compute(bundle_), pair.pose_noise_inflation, pair.offset_stddev},
       settings_.uncertainty, draft.window);
+  if (usesWindow() && !adjustWindow(pair, draft, motion)) {
+    motion.reason = OdometryReason::degenerate_geometry;
+    return;
+  }
   motion.T_world_camera = draft.window.back().T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  if (draft.estimates.readouts.areUncertain()) {
+  if (draft.estimates.readouts.areUncertain() && !usesWindow()) {
     if (!by_longer_readouts) {
       motion.reason = OdometryReason::degenerate_geometry;
       return;
@@ -149,13 +154,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
         errorByReadouts(motion.T_previous_current, *by_longer_readouts, draft.estimates.readouts);
   }
   if (by_rows) concludeRowMotion(*by_rows, draft, motion);
-  if (timing_.isRolling()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
+  if (timing_.isRolling() && !usesWindow()) motion.error.by_rows += errorOfFirstRows(draft.window.size());
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
-  motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
-                                                    settings_.bundle.frames, settings_.uncertainty);
-  if (motion.twist)
+  if (!usesWindow())
+    motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
+                                                      settings_.bundle.frames, settings_.uncertainty);
+  if (motion.twist && !usesWindow())
     motion.twist->covariance += motion.error.offsetCovariance() / (motion.time_step * motion.time_step);
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
@@ -163,8 +169,9 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   keepReadoutError(draft, motion.error.by_readout);
   cell_noise_.update(bundle_);
   noise_ = adapted(noise_, result, settings_.self_calibration.correlated_pairs);
-  if (timing_.mayRoll()) updateReadouts(draft);
+  if (timing_.mayRoll() && !usesWindow()) updateReadouts(draft);
   std::swap(estimates_, draft.estimates);
+  if (usesWindow()) track_window_.accept();
   accept(pair, draft);
 }
 

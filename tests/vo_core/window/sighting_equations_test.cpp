@@ -1,0 +1,134 @@
+// Derivatives of the trajectory and of a sighting's residuals against differences.
+#include "vo_core/window/sighting_equations.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cartvo::vo {
+namespace {
+
+constexpr double kStep = 1e-6;
+
+Trajectory turningTrajectory() {
+  Trajectory trajectory(0.0, 0.03, Eigen::Isometry3d::Identity());
+  trajectory.extendTo(0.12);
+  for (int i = 0; i < trajectory.size(); ++i) {
+    Vector6d step;
+    step << 0.02 * i, 0.01 * i * i, 0.12 * i, 0.02 * i, -0.03 * i + 0.004 * i * i, 0.01 * i * i;
+    trajectory.move(i, step);
+  }
+  return trajectory;
+}
+
+/// Position in the world's axes and rotation on the right, from one instant of a trajectory to another's.
+Vector6d changeOf(const Trajectory::Instant& from, const Trajectory::Instant& to) {
+  Vector6d change;
+  change << to.position - from.position, vectorFromMotion(from.pose().inverse() * to.pose()).tail<3>();
+  return change;
+}
+
+TEST(Trajectory, DerivativesAreThoseOfDifferences) {
+  const Trajectory trajectory = turningTrajectory();
+  const Trajectory::Instant at = trajectory.at(0.047);
+  EXPECT_EQ(at.first, 1);
+  const Vector6d by_time =
+      changeOf(trajectory.at(0.047 - kStep), trajectory.at(0.047 + kStep)) / (2.0 * kStep);
+  EXPECT_LT((by_time.head<3>() - at.velocity).norm(), 1e-6);
+  EXPECT_LT((by_time.tail<3>() - at.rate).norm(), 1e-6);
+  for (int i = 0; i < Trajectory::kSupport; ++i) {
+    for (int axis = 0; axis < 6; ++axis) {
+      Trajectory more = trajectory, less = trajectory;
+      more.move(at.first + i, kStep * Vector6d::Unit(axis));
+      less.move(at.first + i, -kStep * Vector6d::Unit(axis));
+      const Vector6d numeric = changeOf(less.at(0.047), more.at(0.047)) / (2.0 * kStep);
+      Vector6d expected = Vector6d::Zero();
+      if (axis < 3)
+        expected[axis] = at.by_knot[i];
+      else
+        expected.tail<3>() = at.turn_by_knot[i].col(axis - 3);
+      EXPECT_LT((numeric - expected).norm(), 1e-6) << i << " " << axis;
+    }
+  }
+}
+
+TEST(Trajectory, ThirdDifferencesDeriveByKnots) {
+  const Trajectory trajectory = turningTrajectory();
+  const auto by_knot = trajectory.turnDifferencesByKnot(0);
+  for (int i = 0; i < Trajectory::kSupport; ++i) {
+    for (int axis = 3; axis < 6; ++axis) {
+      Trajectory more = trajectory, less = trajectory;
+      more.move(i, kStep * Vector6d::Unit(axis));
+      less.move(i, -kStep * Vector6d::Unit(axis));
+      const Vector6d numeric = (more.thirdDifferences(0) - less.thirdDifferences(0)) / (2.0 * kStep);
+      EXPECT_LT((numeric.tail<3>() - by_knot[i].col(axis - 3)).norm(), 1e-6) << i << " " << axis;
+    }
+  }
+}
+
+/// A landmark seen by both cameras of a pair, 10 ms apart.
+struct Sight {
+  WindowProblem problem;
+  WindowBand band;
+  WindowLandmark landmark;
+  WindowSighting sighting;
+
+  Sight() {
+    problem.camera = {480.0, 340.0, 210.0, 0.115, 680, 420};
+    problem.pairs.push_back({0, 0.05, 0.01});
+    problem.shared[kLeftReadout] = 0.03;
+    problem.shared[kRightReadout] = 0.02;
+    problem.noise[0].common = 0.3;
+    const Trajectory trajectory = turningTrajectory();
+    band.left_time = problem.leftTime(0, 0.1);
+    band.right_time = problem.rightTime(0, 0.1);
+    band.left = trajectory.at(band.left_time);
+    band.right = trajectory.at(band.right_time);
+    landmark.T_world_host = trajectory.at(0.02).pose();
+    landmark.place << 0.2, -0.1, 0.15;
+    sighting.stereo = true;
+    sighting.left = {400.0, 150.0};
+    sighting.right = {380.0, 150.0};
+    sighting.left_share = sighting.right_share = 0.1;
+  }
+  Eigen::Vector4d residual() const { return equationsOf(problem, band, landmark, sighting, 1.0)->residual; }
+};
+
+template <typename Perturb>
+Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {
+  Sight more = sight, less = sight;
+  perturb(more, kStep);
+  perturb(less, -kStep);
+  return (less.residual() - more.residual()) / (2.0 * kStep);  // of the prediction
+}
+
+TEST(SightingEquations, DerivativesAreThoseOfDifferences) {
+  const Sight sight;
+  const auto equations = equationsOf(sight.problem, sight.band, sight.landmark, sight.sighting, 1.0);
+  ASSERT_TRUE(equations);
+  const auto expect = [&](int state, const auto& perturb) {
+    const Eigen::Vector4d numeric = differenceBy(sight, perturb);
+    EXPECT_LT((numeric - equations->by_state.col(state)).norm(), 1e-2) << state;
+  };
+  expect(kRowLeftReadout, [](Sight& s, double step) { s.problem.shared[kLeftReadout] += step; });
+  expect(kRowRightReadout, [](Sight& s, double step) { s.problem.shared[kRightReadout] += step; });
+  expect(kRowOffset, [](Sight& s, double step) { s.problem.shared[kOffset] += step; });
+  const auto turn = [](Trajectory::Instant& instant, int axis, double step) {
+    instant.rotation *= motionFromVector(step * Vector6d::Unit(3 + axis)).linear();
+    instant.velocity = instant.rotation * motionFromVector(-step * Vector6d::Unit(3 + axis)).linear() *
+                       instant.rotation.transpose() * instant.velocity;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    expect(kRowLeftPosition + axis, [&](Sight& s, double step) { s.band.left.position[axis] += step; });
+    expect(kRowRightPosition + axis, [&](Sight& s, double step) { s.band.right.position[axis] += step; });
+    expect(kRowLeftTurn + axis, [&](Sight& s, double step) { turn(s.band.left, axis, step); });
+    expect(kRowRightTurn + axis, [&](Sight& s, double step) { turn(s.band.right, axis, step); });
+    EXPECT_LT((differenceBy(sight, [&](Sight& s, double step) { s.landmark.place[axis] += step; }) -
+               equations->by_place.col(axis))
+                  .norm(),
+              1e-2);
+  }
+  for (int state = 0; state < kRigStates; ++state)
+    expect(kRowRig + state, [&](Sight& s, double step) { s.problem.shared[kPitch + state] += step; });
+}
+
+}  // namespace
+}  // namespace cartvo::vo

@@ -1,0 +1,78 @@
+// The window of `estimator: window` in a track: what it is told, and what follows from its trajectory.
+#include <algorithm>
+
+#include "vo_core/track/visual_track.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+constexpr double kKnownStddev = 1e-5;  // s, of a readout that is stated
+
+}  // namespace
+
+/// What is known of the cameras before a window: readouts and rig as estimated so far.
+SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draft) const {
+  const ReadoutEstimators& readouts = draft.estimates.readouts;
+  const SelfCalibrationSettings& settings = settings_.self_calibration;
+  const RigCorrection rig = draft.estimates.rig.correction();
+  SharedPrior prior;
+  prior.mean << readouts.left.used(), readouts.right.used(), 0.0, rig.pitch, 0.0, rig.roll, 0.0, 0.0;
+  if (timing_.mayRoll()) {
+    prior.stddev[kLeftReadout] = std::max(readouts.left.stddev(), kKnownStddev);
+    prior.stddev[kRightReadout] = std::max(readouts.right.stddev(), kKnownStddev);
+  }
+  prior.stddev[kOffset] = pair.offset_stddev;
+  prior.drift[kOffset] = pair.offset_stddev > 0.0 ? settings.delay_drift : 0.0;
+  if (!estimatesRig()) return prior;
+  // Not yaw: what patches of near and far points have in common would be taken for it.
+  prior.stddev.segment<kRigStates>(kPitch) << settings.calibration_stddev, 0.0, settings.calibration_stddev,
+      settings.calibration_stddev, settings.skew_stddev;
+  prior.drift.segment<kRigStates>(kPitch).setConstant(settings.rotation_drift);
+  prior.drift[kYaw] = 0.0;
+  return prior;
+}
+
+/// Sets the readouts, the motions about exposures and the row shifts of the window by its trajectory.
+void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft) {
+  const auto estimate = [&](SharedState state) -> EstimateWithStddev {
+    return {adjusted.shared[state], adjusted.shared_stddev[state]};
+  };
+  draft.estimates.readouts.left.set(estimate(kLeftReadout));
+  draft.estimates.readouts.right.set(estimate(kRightReadout));
+  timing_.setReadouts(draft.estimates.readouts.left.used(), draft.estimates.readouts.right.used());
+  const std::size_t older = draft.window.size() - adjusted.pairs.size();
+  for (std::size_t i = older; i < draft.window.size(); ++i) {
+    WindowFrame& frame = draft.window[i];
+    frame.motion = adjusted.pairs[i - older].motion;
+    frame.rows.emplace();
+    frame.rows->expected_share.setZero();
+    frame.rows->by_rows = vectorOf(*frame.motion);
+  }
+  draft.estimates.prediction_errors.update(draft.predictions, *draft.window.back().motion);
+  correctRows(camera_, timing_, draft.window, older, settings_.tracking.predicted_inverse_depth,
+              draft.landmarks);
+}
+
+/// Replaces the adjusted poses, depths and covariances by those of the window of `estimator: window`. False
+/// if its geometry is degenerate.
+bool VisualTrack::adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
+  const auto adjusted =
+      track_window_.adjust({camera_, timing_, sharedPrior(pair, draft), draft.estimates.still_regions,
+                            draft.landmarks, draft.window, settings_.self_calibration.correlated_pairs});
+  if (!adjusted) return false;
+  const std::size_t older = draft.window.size() - adjusted->pairs.size();
+  for (std::size_t i = 0; i < adjusted->pairs.size(); ++i) {
+    draft.window[older + i].T_world_camera = adjusted->pairs[i].T_world_camera;
+    draft.window[older + i].uncertainty.pose = adjusted->pairs[i].pose_covariance;
+  }
+  for (const auto& [index, inverse_depth] : adjusted->inverse_depths)
+    draft.landmarks[index].inverse_depth = inverse_depth;
+  if (timing_.mayRoll()) timeByWindow(*adjusted, draft);
+  motion.error = {};
+  motion.error.by_landmarks = adjusted->motion_covariance;
+  motion.error.codec_inflation = pair.pose_noise_inflation;
+  motion.twist = ExposureTwist{adjusted->twist.value, adjusted->twist.covariance};
+  return true;
+}
+
+}  // namespace cartvo::vo

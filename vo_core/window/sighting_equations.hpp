@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "vo_core/window/window_problem.hpp"
+
+// Residuals of a sighting, each coordinate at the instant of its own row, and their derivatives.
+
+namespace cartvo::vo {
+
+/// States that a sighting depends on: of each camera at the instant of its row, and what is shared. Positions
+/// are in the world's axes, turns on the right.
+enum SightingState : int {
+  kRowLeftReadout = 0,
+  kRowLeftPosition = 1,
+  kRowLeftTurn = 4,
+  kRowRightReadout = 7,
+  kRowOffset = 8,
+  kRowRightPosition = 9,
+  kRowRightTurn = 12,
+  kRowRig = 15,
+  kSightingStates = kRowRig + kRigStates
+};
+
+/// Both cameras of a pair at the instants in the middle of a band of rows.
+struct WindowBand {
+  double left_time = 0.0, right_time = 0.0;  ///< s
+  Trajectory::Instant left, right;           ///< of the left camera of the rig, at either time
+};
+
+/// Residuals (px, measured minus predicted) in the order left x, y, right x, y, and their derivatives. Of the
+/// right ones, the part that the left ones have in common with them is taken off. Those of an image without a
+/// position are zero and have no weight.
+struct SightingEquations {
+  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
+  Eigen::Vector4d precision = Eigen::Vector4d::Zero();  ///< 1/px^2, inverse square of the scales
+  Eigen::Matrix<double, 4, kSightingStates> by_state;   ///< of the prediction
+  Eigen::Matrix<double, 4, 3> by_place;                 ///< of the prediction, by WindowLandmark::place
+
+  /// Square of the residuals over their scales in one image. `image`: 0 left, 1 right.
+  double squareIn(int image) const {
+    return (residual.array().square() * precision.array()).segment<2>(2 * image).sum();
+  }
+};
+
+/// The equations of a sighting whose rows are near the middle of `band`: the camera moves uniformly between
+/// them. `scale`: factor on the noise. Nothing if the landmark is not in front of both cameras.
+std::optional<SightingEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
+                                             const WindowLandmark& landmark, const WindowSighting& sighting,
+                                             double scale);
+
+/// Degrees of freedom of the noise's t distribution.
+constexpr double kWindowFreedom = 5.0;
+
+/// Weight of an image's position in the iteratively re-weighted normal equations of Student's t distribution
+/// in two dimensions (K. Lange et al., "Robust statistical modeling using the t distribution", 1989).
+/// `square`: of the residuals over their scales.
+inline double studentWeight(double square) {
+  return (kWindowFreedom + 2.0) / (kWindowFreedom + square);
+}
+
+/// Information of a position with that distribution over that of the mean weight, which is 1 (same source,
+/// appendix B).
+constexpr double kStudentInformation = (kWindowFreedom + 2.0) / (kWindowFreedom + 4.0);
+
+}  // namespace cartvo::vo

@@ -1,0 +1,289 @@
+// Sliding window of a track: which landmarks go on, end and come; marginalisation.
+#include "vo_core/window/track_window.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vo_core/geometry/reprojection.hpp"
+
+namespace cartvo::vo {
+namespace {
+
+constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
+constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
+constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
+constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
+constexpr int kMostKnots = 64;
+constexpr double kKnotsOfPair = 2.0;     // a mount that shakes at 10 Hz needs them
+constexpr double kLongestReadout = 0.1;  // s
+constexpr int kPairsOfStart = 5;         // whose values are far from the solution
+constexpr std::array<double, 6> kStartScales{8.0, 4.0, 2.0, 1.0, 1.0, 1.0};
+constexpr std::array<double, 3> kScales{3.0, 1.0, 1.0};
+
+/// s, from the exposure of the left image to the earliest and the latest row of a pair.
+struct Reach {
+  double before, after;
+};
+Reach reachOf(const SharedVector& shared, double offset) {
+  const double half =
+      0.5 * kReadoutRoom * std::max(std::abs(shared[kLeftReadout]), std::abs(shared[kRightReadout]));
+  return {half + kMargin + std::max(0.0, -offset), half + kMargin + std::max(0.0, offset)};
+}
+
+/// Positions of a landmark as sightings. The anchor's patch is as noisy as the same patch later.
+void toSightings(const Landmark& landmark, const RowTiming& timing,
+                 const FixedVector<WindowPair, kMaximumWindowPairs>& pairs, WindowLandmark& item) {
+  item.sightings.clear();
+  for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
+    const Observation& seen = landmark.observations[i];
+    const auto* const pair = std::find_if(pairs.begin(), pairs.end(), [&](const WindowPair& candidate) {
+      return candidate.index == seen.frame;
+    });
+    if (pair == pairs.end()) continue;
+    WindowSighting& sighting = item.sightings.emplace_back();
+    sighting.pair = static_cast<int>(pair - pairs.begin());
+    sighting.stereo = seen.stereo;
+    sighting.left = seen.left;
+    sighting.right = seen.right();
+    sighting.left_share = timing.leftShare(sighting.left);
+    sighting.right_share = timing.rightShare(sighting.right);
+    sighting.relative_noise = landmark.observations[i == 0 ? 1 : i].relative_noise;
+  }
+}
+
+/// s, of the left exposures.
+std::vector<double> timesOf(const std::vector<WindowFrame>& window, std::int64_t epoch_ns) {
+  std::vector<double> times;
+  for (const WindowFrame& frame : window)
+    times.push_back(1e-9 * static_cast<double>(frame.exposure_ns - epoch_ns));
+  return times;
+}
+
+/// Pose at a time (s) by those of a window: between pairs by their motion, beyond them at constant velocity.
+Eigen::Isometry3d poseOf(const std::vector<WindowFrame>& window, const std::vector<double>& times,
+                         double time) {
+  if (window.size() < 2) return window.front().T_world_camera;
+  const auto after = std::upper_bound(times.begin() + 1, times.end() - 1, time);
+  const auto i = static_cast<std::size_t>(after - times.begin());
+  const Eigen::Isometry3d& from = window[i - 1].T_world_camera;
+  const double share = (time - times[i - 1]) / (times[i] - times[i - 1]);
+  return orthonormalised(
+      from * motionFromVector(share * vectorFromMotion(from.inverse() * window[i].T_world_camera)));
+}
+
+/// The motion about an instant, exact there and half a readout before and after it.
+ExposureMotion motionAt(const Trajectory& trajectory, double time, double range) {
+  const Trajectory::Instant at = trajectory.at(time);
+  const Eigen::Isometry3d back = at.pose().inverse();
+  const Vector6d later = vectorFromMotion(back * trajectory.at(time + range).pose());
+  const Vector6d earlier = vectorFromMotion(back * trajectory.at(time - range).pose());
+  ExposureMotion motion;
+  motion.velocity << at.rotation.transpose() * at.velocity, at.rate;
+  motion.acceleration = (later + earlier) / (range * range);
+  motion.angular_jerk =
+      6.0 / (range * range) * ((later - earlier).tail<3>() / (2.0 * range) - motion.velocity.tail<3>());
+  return motion;
+}
+
+}  // namespace
+
+/// Whether `window` is this one and a new pair.
+bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
+  const auto& pairs = state_.problem.pairs;
+  return !pairs.empty() && pairs.size() + 1 == window.size() &&
+         state_.problem.trajectory.size() < kMostKnots &&
+         std::equal(
+             pairs.begin(), pairs.end(), window.begin(),
+             [](const WindowPair& pair, const WindowFrame& frame) { return pair.index == frame.index; });
+}
+
+/// A window of all pairs but the newest, whose oldest pose has the covariance that it was published with.
+void TrackWindow::restart(const TrackWindowInput& input, State& state) {
+  const WindowNoises noise = state.problem.noise;
+  const WindowJerk jerk = state.problem.jerk;
+  state = {};
+  WindowProblem& problem = state.problem;
+  problem.noise = noise;
+  problem.jerk = jerk;
+  problem.camera = input.camera;
+  state.epoch_ns = input.window.front().exposure_ns;
+  const std::vector<double> times = timesOf(input.window, state.epoch_ns);
+  for (std::size_t i = 0; i + 1 < input.window.size(); ++i)
+    problem.pairs.push_back({input.window[i].index, times[i], input.window[i].offset});
+  problem.shared = problem.prior.first_shared = input.shared.mean;
+  problem.prior.information.diagonal() =
+      input.shared.stddev.cwiseMax(kLeastStddev).cwiseAbs2().cwiseInverse();
+
+  const double interval = times.back() / static_cast<double>(times.size() - 1) / kKnotsOfPair;
+  const WindowFrame& first = input.window.front();
+  const double start = -reachOf(problem.shared, first.offset).before;
+  problem.trajectory = Trajectory(start, interval, first.T_world_camera);
+  problem.trajectory.extendTo(times.back() + reachOf(problem.shared, input.window.back().offset).after);
+  for (int i = 0; i < problem.trajectory.size(); ++i)
+    problem.trajectory.set(i, poseOf(input.window, times, problem.trajectory.timeOf(i)));
+  Matrix6d gauge = first.uncertainty.pose;
+  const Eigen::Matrix3d& rotation = first.T_world_camera.linear();
+  gauge.topRows<3>() = rotation * gauge.topRows<3>();
+  gauge.leftCols<3>() = gauge.leftCols<3>() * rotation.transpose();
+  gauge.diagonal().array() += kGaugeStddev * kGaugeStddev;
+  tieToStart(0.0, first.T_world_camera, gauge, problem);
+}
+
+/// Lists the landmarks of the newest pair that take part, by key.
+void TrackWindow::choose(const TrackWindowInput& input) {
+  chosen_.clear();
+  for (std::size_t i = 0; i < input.landmarks.size(); ++i) {
+    const Landmark& landmark = input.landmarks[i];
+    if (landmark.observations.size() < 2 || !landmark.hasDepth()) continue;
+    if (input.still_regions.contains(landmark.last().left)) continue;
+    const Eigen::Vector2d& at = landmark.anchor().left;
+    chosen_.emplace_back(Key{landmark.anchor().frame, at.x(), at.y()}, i);
+  }
+  std::sort(chosen_.begin(), chosen_.end());
+}
+
+/// Moves the landmarks that are no longer seen into the prior, with a full window the oldest pair too.
+void TrackWindow::removeEnded(const TrackWindowInput& input) {
+  WindowProblem& problem = next_.problem;
+  std::vector<WindowLandmark> ended;
+  std::size_t kept = 0, at = 0;
+  for (std::size_t i = 0; i < next_.keys.size(); ++i) {
+    while (at < chosen_.size() && chosen_[at].first < next_.keys[i])
+      ++at;
+    if (at == chosen_.size() || chosen_[at].first != next_.keys[i]) {
+      ended.push_back(problem.landmarks[i]);
+      continue;
+    }
+    next_.keys[kept] = next_.keys[i];
+    problem.landmarks[kept++] = problem.landmarks[i];
+  }
+  next_.keys.resize(kept);
+  problem.landmarks.resize(kept);
+  int knots = 0;
+  const bool full = problem.pairs.size() + 1 >= kMaximumWindowPairs;
+  if (full) {
+    const WindowPair& oldest = problem.pairs[1];
+    const double start = oldest.time - reachOf(problem.shared, oldest.offset).before;
+    knots = std::max(0, problem.trajectory.at(start).first);
+  }
+  solver_.marginalise(problem, ended, knots);
+  if (!full) return;
+  for (std::size_t i = 1; i < problem.pairs.size(); ++i)
+    problem.pairs[i - 1] = problem.pairs[i];
+  problem.pairs.resize(problem.pairs.size() - 1);
+  const double seconds = secondsBetween(input.window[input.window.size() - 2], input.window.back());
+  problem.prior.addSharedNoise(seconds * input.shared.drift.cwiseAbs2());
+}
+
+/// Sets the landmarks of the newest pair with all their sightings, at the places known so far.
+void TrackWindow::addLandmarks(const TrackWindowInput& input) {
+  WindowProblem& problem = next_.problem;
+  std::vector<WindowLandmark> before;
+  before.swap(problem.landmarks);
+  std::vector<Key> keys;
+  keys.swap(next_.keys);
+  std::size_t at = 0;
+  for (const auto& [key, index] : chosen_) {
+    const Landmark& landmark = input.landmarks[index];
+    while (at < keys.size() && keys[at] < key)
+      ++at;
+    WindowLandmark item;
+    if (at < keys.size() && keys[at] == key) {
+      item = before[at];
+    } else {
+      const auto* const host = std::find_if(problem.pairs.begin(), problem.pairs.end(),
+                                            [&](const WindowPair& pair) { return pair.index == key.anchor; });
+      if (host == problem.pairs.end()) continue;
+      const Eigen::Vector2d& pixel = landmark.anchor().left;
+      const double time =
+          problem.leftTime(static_cast<int>(host - problem.pairs.begin()), input.timing.leftShare(pixel));
+      item.T_world_host = problem.trajectory.at(time).pose();
+      const Eigen::Vector3d bearing = bearingOf(input.camera, pixel);
+      item.place << bearing.x(), bearing.y(), landmark.inverse_depth;
+      item.level = landmark.level;
+    }
+    toSightings(landmark, input.timing, problem.pairs, item);
+    if (item.sightings.size() < 2) continue;
+    next_.keys.push_back(key);
+    problem.landmarks.push_back(item);
+  }
+}
+
+TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
+  const WindowProblem& problem = next_.problem;
+  const std::size_t last = problem.pairs.size() - 1;
+  const double range = std::max(1e-3, 0.5 * std::abs(problem.shared[kLeftReadout]));
+  Adjusted adjusted;
+  for (const WindowPair& pair : problem.pairs) {
+    const WindowMotion pose = poseAt(problem, result, pair.time);
+    adjusted.pairs.push_back({pose.value, pose.covariance, motionAt(problem.trajectory, pair.time, range)});
+  }
+  adjusted.motion_covariance =
+      motionBetween(problem, result, problem.pairs[last - 1].time, problem.pairs[last].time).covariance;
+  adjusted.twist = twistAt(problem, result, problem.pairs[last].time);
+  adjusted.shared = problem.shared;
+  adjusted.shared_stddev =
+      result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();
+  return adjusted;
+}
+
+void TrackWindow::addDepths(Adjusted& adjusted) const {
+  const WindowProblem& problem = next_.problem;
+  std::size_t at = 0;
+  for (const auto& [key, index] : chosen_) {
+    while (at < next_.keys.size() && next_.keys[at] < key)
+      ++at;
+    if (at == next_.keys.size() || next_.keys[at] != key) continue;
+    const WindowLandmark& landmark = problem.landmarks[at];
+    const Eigen::Isometry3d& anchor = adjusted.pairs[landmark.sightings.front().pair].T_world_camera;
+    const Eigen::Isometry3d T_anchor_host = anchor.inverse() * landmark.T_world_host;
+    const double depth =  // times the inverse depth
+        T_anchor_host.linear().row(2).dot(Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0)) +
+        landmark.place.z() * T_anchor_host.translation().z();
+    if (depth > kNearestRay) adjusted.inverse_depths.emplace_back(index, landmark.place.z() / depth);
+  }
+}
+
+std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput& input) {
+  next_ = state_;
+  const bool starts = !follows(input.window);
+  if (starts) restart(input, next_);
+  choose(input);
+  removeEnded(input);
+  WindowProblem& problem = next_.problem;
+  const WindowFrame& newest = input.window.back();
+  const std::vector<double> times = timesOf(input.window, next_.epoch_ns);
+  const double time = times.back();
+  problem.pairs.push_back({newest.index, time, newest.offset});
+  problem.trajectory.extendTo(time + reachOf(problem.shared, newest.offset).after);
+  // The last knots were hardly measured before: they begin at the first guess.
+  for (int i = 0; i < problem.trajectory.size(); ++i)
+    if (problem.trajectory.timeOf(i) > times[times.size() - 2])
+      problem.trajectory.set(i, poseOf(input.window, times, problem.trajectory.timeOf(i)));
+  addLandmarks(input);
+  const bool young = next_.young++ < kPairsOfStart;
+  const WindowResult result = young ? solver_.solve(problem, kStartScales) : solver_.solve(problem, kScales);
+  if (!result.converged || problem.shared.head<kOffset + 1>().cwiseAbs().maxCoeff() > kLongestReadout)
+    return std::nullopt;
+  const double share = std::max(1.0 / input.correlated_pairs, 1.0 / (1.0 + next_.young));
+  for (std::size_t level = 0; level < problem.noise.size(); ++level) {
+    WindowNoise& noise = problem.noise[level];
+    noise.left += share * (result.noise[level].left - noise.left);
+    noise.right += share * (result.noise[level].right - noise.right);
+    noise.common += share * (result.noise[level].common - noise.common);
+  }
+  const auto averaged = [&](double& jerk, double found) {
+    jerk = std::sqrt(jerk * jerk + share * (found * found - jerk * jerk));
+  };
+  averaged(problem.jerk.translation, result.jerk.translation);
+  averaged(problem.jerk.rotation, result.jerk.rotation);
+  Adjusted adjusted = concluded(result);
+  return adjusted;
+}
+
+void TrackWindow::accept() {
+  std::swap(state_, next_);
+}
+
+}  // namespace cartvo::vo

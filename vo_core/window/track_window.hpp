@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vo_core/geometry/exposure_motion.hpp"
+#include "vo_core/integrity/still_regions.hpp"
+#include "vo_core/tracking/landmark.hpp"
+#include "vo_core/tracking/row_correction.hpp"
+#include "vo_core/tracking/window_frame.hpp"
+#include "vo_core/window/window_solver.hpp"
+
+// The window of `estimator: window` from pair to pair.
+
+namespace cartvo::vo {
+
+/// What is known of the shared states before a window, and how they change.
+struct SharedPrior {
+  SharedVector mean = SharedVector::Zero(), stddev = SharedVector::Zero();
+  SharedVector drift = SharedVector::Zero();  ///< stddev after 1 s of a random walk
+};
+
+/// What a pair of a track is adjusted with.
+struct TrackWindowInput {
+  const StereoCamera& camera;
+  const RowTiming& timing;
+  const SharedPrior& shared;
+  const StillRegions& still_regions;       ///< landmarks there are left out
+  const std::vector<Landmark>& landmarks;  ///< with the newest pair's observations
+  const std::vector<WindowFrame>& window;  ///< the newest pair last, at its first guess
+  double correlated_pairs;                 ///< pairs over which the noise's scales are averaged
+};
+
+/// Trajectory of a window of a track, all of it free, with the information of what has left it. An anchor's
+/// patch is the origin of its landmark's later positions, and its own position is a sighting like them: a
+/// landmark ends with its anchor, and goes on as another one.
+class TrackWindow {
+ public:
+  struct Adjusted {
+    struct Pair {
+      Eigen::Isometry3d T_world_camera;
+      Matrix6d pose_covariance;  ///< relative to the track's first pair; perturbations on the right
+      ExposureMotion motion;     ///< about the left exposure
+    };
+    FixedVector<Pair, kMaximumWindowPairs> pairs;  ///< those of the window, the newest last
+    Matrix6d motion_covariance;  ///< of the motion to the newest pair; perturbation on the right
+    WindowTwist twist;           ///< at the newest exposure
+    SharedVector shared, shared_stddev;
+    /// Inverse depths (1/m) in the anchor's camera at its exposure, by index into
+    /// TrackWindowInput::landmarks.
+    std::vector<std::pair<std::size_t, double>> inverse_depths;
+  };
+
+  /// Adjusts the window with its newest pair; nothing if the geometry is degenerate. accept() keeps the
+  /// result; without it, the pair is forgotten.
+  std::optional<Adjusted> adjust(const TrackWindowInput& input);
+  void accept();
+
+  const WindowProblem& problem() const { return state_.problem; }
+
+ private:
+  /// Name of a landmark's life with one anchor.
+  struct Key {
+    std::int64_t anchor;  ///< index of a pair
+    double x, y;          ///< px, of the anchor's position
+    auto operator<=>(const Key&) const = default;
+  };
+  struct State {
+    WindowProblem problem;
+    std::vector<Key> keys;      ///< of problem.landmarks, ascending
+    std::int64_t epoch_ns = 0;  ///< exposure that the problem's times count from
+    int young = 0;              ///< pairs since the start
+  };
+
+  bool follows(const std::vector<WindowFrame>& window) const;
+  static void restart(const TrackWindowInput& input, State& state);
+  void choose(const TrackWindowInput& input);
+  void removeEnded(const TrackWindowInput& input);
+  void addLandmarks(const TrackWindowInput& input);
+  Adjusted concluded(const WindowResult& result) const;
+  void addDepths(Adjusted& adjusted) const;
+
+  State state_, next_;
+  // Reused for their memory.
+  std::vector<std::pair<Key, std::size_t>> chosen_;  ///< landmarks of the newest pair
+  WindowSolver solver_;
+};
+
+}  // namespace cartvo::vo

@@ -1,0 +1,184 @@
+// Gauss-Newton on a window.
+#include "vo_core/window/window_solver.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace cartvo::vo {
+namespace {
+
+using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+constexpr Eigen::Index columnOf(int knot) {
+  return kSharedStates + 6 * static_cast<Eigen::Index>(knot);
+}
+
+/// Derivatives of the position in the world's axes and of the rotation (on the right) by the unknowns.
+Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
+  Rows rows = Rows::Zero(6, unknowns);
+  for (int i = 0; i < Trajectory::kSupport; ++i) {
+    const Eigen::Index at = columnOf(instant.first + i);
+    rows.block<3, 3>(0, at).diagonal().setConstant(instant.by_knot[i]);
+    rows.block<3, 3>(3, at + 3) = instant.turn_by_knot[i];
+  }
+  return rows;
+}
+
+Matrix6d carried(const Rows& rows, const WindowResult& result) {
+  return rows * result.covariance * rows.transpose();
+}
+
+/// Jerk of most likelihood (expectation maximisation) over the newest intervals.
+WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covariance) {
+  constexpr int kNewest = 6;  // third differences
+  constexpr std::array<double, Trajectory::kSupport> kFactors{-1.0, 3.0, -3.0, 1.0};
+  const Trajectory& trajectory = problem.trajectory;
+  const double cube = std::pow(trajectory.interval(), 3);
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  // Knots after the newest pair follow from the prior.
+  int last = trajectory.size() - Trajectory::kSupport;
+  while (last > 0 &&
+         trajectory.timeOf(last + Trajectory::kSupport - 1) > problem.pairs[problem.pairs.size() - 1].time)
+    --last;
+  const int from = std::max(0, last - kNewest + 1);
+  for (int first = from; first <= last; ++first) {
+    const Vector6d differences = trajectory.thirdDifferences(first);
+    const auto by_knot = trajectory.turnDifferencesByKnot(first);
+    Eigen::Matrix<double, 6, 6 * Trajectory::kSupport> rows =
+        Eigen::Matrix<double, 6, 6 * Trajectory::kSupport>::Zero();
+    for (int i = 0; i < Trajectory::kSupport; ++i) {
+      rows.block<3, 3>(0, 6 * i).diagonal().setConstant(kFactors[i]);
+      rows.block<3, 3>(3, 6 * i + 3) = by_knot[i];
+    }
+    const Matrix6d uncertain = rows *
+                               covariance.block<6 * Trajectory::kSupport, 6 * Trajectory::kSupport>(
+                                   columnOf(first), columnOf(first)) *
+                               rows.transpose();
+    const auto add = [&](double square, double variance, double jerk, double& sum) {
+      sum += jerkWeight(square / std::pow(jerk * cube, 2)) * square + variance;
+    };
+    add(differences.head<3>().squaredNorm(), uncertain.topLeftCorner<3, 3>().trace(),
+        problem.jerk.translation, squares[0]);
+    add(differences.tail<3>().squaredNorm(), uncertain.bottomRightCorner<3, 3>().trace(),
+        problem.jerk.rotation, squares[1]);
+  }
+  const Eigen::Vector2d rms = (squares / (3.0 * (last - from + 1))).cwiseSqrt() / cube;
+  constexpr double kLeastJerk = 1.0;  // m/s^3 and rad/s^3
+  return {std::max(rms[0], kLeastJerk), std::max(rms[1], kLeastJerk)};
+}
+
+}  // namespace
+
+WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double> scales) {
+  WindowResult result;
+  result.noise = problem.noise;
+  problem.prior.extendTo(problem.trajectory);
+  Eigen::LDLT<Eigen::MatrixXd> factor;
+  for (std::size_t iteration = 0; iteration < scales.size(); ++iteration) {
+    equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,
+                            scales[iteration]);
+    equations_.addJerk(problem, problem.trajectory.size());
+    equations_.addPrior(problem);
+    factor.compute(equations_.information());
+    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return result;
+    const Eigen::VectorXd step = factor.solve(equations_.gradient());
+    if (!step.allFinite()) return result;
+    equations_.moveLandmarks(step, problem.landmarks);
+    problem.shared += step.head<kSharedStates>();
+    for (int i = 0; i < problem.trajectory.size(); ++i)
+      problem.trajectory.move(i, step.segment<6>(columnOf(i)));
+  }
+  const Eigen::Index unknowns = equations_.information().rows();
+  result.covariance = factor.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+  result.noise = equations_.noiseSums().concluded(problem.noise);
+  result.jerk = jerkOf(problem, result.covariance);
+  result.converged = result.covariance.allFinite();
+  return result;
+}
+
+void WindowSolver::marginalise(WindowProblem& problem, const std::vector<WindowLandmark>& ended, int knots) {
+  if (ended.empty() && knots == 0) return;
+  problem.prior.extendTo(problem.trajectory);
+  equations_.setLandmarks(problem, ended, true, 1.0);
+  equations_.addJerk(problem, knots);
+  WindowPrior& prior = problem.prior;
+  prior.vector +=
+      equations_.gradient() + equations_.information() * prior.changeTo(problem.shared, problem.trajectory);
+  prior.information += equations_.information();
+  prior.marginaliseOldest(knots);
+  problem.trajectory.removeOldest(knots);
+}
+
+void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& covariance,
+                WindowProblem& problem) {
+  constexpr double kSpeed = 15.0, kAcceleration = 30.0;  // stddev; m/s and m/s^2, rad/s and rad/s^2
+  const Trajectory& trajectory = problem.trajectory;
+  WindowPrior& prior = problem.prior;
+  prior.extendTo(trajectory);
+  const Trajectory::Instant instant = trajectory.at(time);
+  const Rows rows = byUnknowns(instant, prior.information.rows());
+  const Matrix6d information = covariance.ldlt().solve(Matrix6d::Identity());
+  Vector6d error;
+  error.head<3>() = pose.translation() - instant.position;
+  error.tail<3>() = vectorFromMotion(instant.pose().inverse() * pose).tail<3>();
+  prior.information += rows.transpose() * information * rows;
+  prior.vector += rows.transpose() * information * error;
+  const auto add = [&](const std::array<double, 3>& factors, double stddev) {
+    Rows differences = Rows::Zero(6, prior.information.rows());
+    Vector6d value = Vector6d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      differences.middleCols<6>(columnOf(i)) = factors[i] * Matrix6d::Identity();
+      Vector6d knot;
+      knot << trajectory.knot(i).translation(),
+          vectorFromMotion(trajectory.knot(0).inverse() * trajectory.knot(i)).tail<3>();
+      value += factors[i] * knot;
+    }
+    prior.information += differences.transpose() * differences / (stddev * stddev);
+    prior.vector -= differences.transpose() * value / (stddev * stddev);
+  };
+  const double interval = trajectory.interval();
+  add({-1.0, 1.0, 0.0}, kSpeed * interval);
+  add({1.0, -2.0, 1.0}, kAcceleration * interval * interval);
+}
+
+WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, double time) {
+  const Trajectory::Instant at = problem.trajectory.at(time);
+  Rows rows = byUnknowns(at, result.covariance.rows());
+  rows.topRows<3>() = at.rotation.transpose() * rows.topRows<3>();
+  return {at.pose(), carried(rows, result)};
+}
+
+WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& result, double from, double to) {
+  const Trajectory::Instant a = problem.trajectory.at(from), b = problem.trajectory.at(to);
+  const Eigen::Isometry3d motion = a.pose().inverse() * b.pose();
+  const Rows by_a = byUnknowns(a, result.covariance.rows());
+  Rows rows = byUnknowns(b, result.covariance.rows());
+  const Eigen::Matrix3d back = motion.linear().transpose();
+  rows.topRows<3>() = b.rotation.transpose() * (rows.topRows<3>() - by_a.topRows<3>()) +
+                      back * skew(motion.translation()) * by_a.bottomRows<3>();
+  rows.bottomRows<3>() -= back * by_a.bottomRows<3>();
+  return {motion, carried(rows, result)};
+}
+
+WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time) {
+  constexpr double kStep = 2e-4;  // s, of the rate's derivative
+  const Trajectory::Instant at = problem.trajectory.at(time);
+  const Trajectory::Instant before = problem.trajectory.at(time - kStep),
+                            after = problem.trajectory.at(time + kStep);
+  const Eigen::Index unknowns = result.covariance.rows();
+  WindowTwist twist;
+  twist.value << at.rotation.transpose() * at.velocity, at.rate;
+  Rows rows = byUnknowns(at, unknowns);
+  rows.topRows<3>() = skew(twist.value.head<3>()) * rows.bottomRows<3>();
+  for (int i = 0; i < Trajectory::kSupport; ++i)
+    rows.block<3, 3>(0, columnOf(at.first + i)) += at.velocity_by_knot[i] * at.rotation.transpose();
+  rows.bottomRows<3>() =
+      (byUnknowns(after, unknowns).bottomRows<3>() -
+       after.rotation.transpose() * before.rotation * byUnknowns(before, unknowns).bottomRows<3>()) /
+      (2.0 * kStep);
+  twist.covariance = carried(rows, result);
+  return twist;
+}
+
+}  // namespace cartvo::vo

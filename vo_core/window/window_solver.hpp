@@ -1,0 +1,54 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "vo_core/window/window_equations.hpp"
+#include "vo_core/window/window_problem.hpp"
+
+// Maximum likelihood of a window.
+
+namespace cartvo::vo {
+
+/// Result besides the problem's own values.
+struct WindowResult {
+  bool converged = false;
+  Eigen::MatrixXd covariance;  ///< of the unknowns, in the order of WindowPrior
+  WindowNoises noise;          ///< of most likelihood given the last residuals
+  WindowJerk jerk;             ///< of most likelihood given the newest intervals
+};
+
+/// Gauss-Newton with Student-t weights on all unknowns of a window with its prior.
+class WindowSolver {
+ public:
+  /// One step for each of `scales`: factors on the noise, larger ones where the first values are far off.
+  WindowResult solve(WindowProblem& problem, std::span<const double> scales);
+
+  /// Moves the information of landmarks that are no longer seen, and the oldest `knots` of the trajectory,
+  /// into the prior. Landmarks beyond the gate are dropped.
+  void marginalise(WindowProblem& problem, const std::vector<WindowLandmark>& ended, int knots);
+
+ private:
+  WindowEquations equations_;
+};
+
+/// Ties the prior to a pose (m and rad; position in the world's axes, rotation on the right) of the
+/// trajectory at `time` (s), and the first knots to a speed and an acceleration that carts have.
+void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& covariance,
+                WindowProblem& problem);
+
+/// Of the trajectory at an instant, with covariance by that of the unknowns.
+struct WindowMotion {
+  Eigen::Isometry3d value;
+  Matrix6d covariance;  ///< perturbations on the right
+};
+WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, double time);
+WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& result, double from, double to);
+/// Velocity and angular rate in the camera's axes, m/s and rad/s, and their covariance.
+struct WindowTwist {
+  Vector6d value;
+  Matrix6d covariance;
+};
+WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time);
+
+}  // namespace cartvo::vo

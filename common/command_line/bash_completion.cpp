@@ -127,11 +127,15 @@ std::string caseOfValue(const NamedCommand& named, Option option) {
 
 }  // namespace
 
-std::string bashCompletion(Command program, const std::string& name) {
+std::string bashCompletion(Command program, const std::string& name, const std::string& part) {
   std::vector<NamedCommand> commands;
   addCommands({name, program}, commands);
-  std::string script = "# Completion of " + name + " in bash. Printed by: " + name + " " + kFlag + "\n_" +
-                       name + "() {\n  local command=" + name +
+  const std::string function = "_" + name + (part.empty() ? "" : "_" + part);
+  std::string script = "# Completion of " + name + " in bash. Printed by: " + name +
+                       (part.empty() ? "" : "-" + part) + " " + kFlag + "\n" + function +
+                       "() {\n  if declare -F \"" + function +
+                       "_${COMP_WORDS[1]}\" >/dev/null; then\n    \"" + function +
+                       "_${COMP_WORDS[1]}\"\n    return\n  fi\n  local command=" + name +
                        R"( words='' options='' arguments='' value=''
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
   # bash takes --option=value as three words.
@@ -150,14 +154,14 @@ std::string bashCompletion(Command program, const std::string& name) {
       if (!option.names().empty() && option.needsValue()) script += caseOfValue(named, option);
     }
   }
-  return script + "  esac\n" + kChoose + "complete -F _" + name + " " + name + "\n";
+  return script + "  esac\n" + kChoose + (part.empty() ? "complete -F _" + name + " " + name + "\n" : "");
 }
 
-void addBashCompletionFlag(Command program, const std::string& name) {
+void addBashCompletionFlag(Command program, const std::string& name, const std::string& part) {
   program
       .addTextFlag(kFlag,
-                   [program, name] {
-                     std::string script = bashCompletion(program, name);
+                   [program, name, part] {
+                     std::string script = bashCompletion(program, name, part);
                      script.pop_back();  // a line feed is printed after the text
                      return script;
                    })

@@ -51,7 +51,7 @@ void describe(cartvo::Command program, CommandLine& command_line) {
       "Check the configuration, the rig file, the passwords and the recordings' folder, then exit");
   program.addOption("--record", command_line.recording_directory,
                     "Record both streams as received into this folder (overrides recording.directory)");
-  cartvo::addBashCompletionFlag(program, "cartvod");
+  cartvo::addBashCompletionFlag(program, "cartvod", "");
 }
 
 /// Reads and checks the configuration. `start`: name of this start's recording folder.

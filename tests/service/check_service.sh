@@ -11,7 +11,7 @@ fail() { echo "check_service: $*" >&2; exit 1; }
 DESTDIR=$root cmake --install "$build" --prefix /usr >"$root/install.log" 2>&1 || { cat "$root/install.log"; exit 1; }
 
 units=$root/usr/lib/systemd/system
-for file in usr/bin/cartvod usr/bin/cartvo etc/cartvo/cartvod.yaml usr/lib/sysusers.d/cartvo.conf \
+for file in usr/bin/cartvod usr/bin/cartvo usr/libexec/cartvo/cartvo-watch etc/cartvo/cartvod.yaml usr/lib/sysusers.d/cartvo.conf \
   usr/share/man/man8/cartvod.8 usr/share/man/man5/cartvod.yaml.5 usr/share/man/man1/cartvo-watch.1 \
   usr/share/bash-completion/completions/cartvo usr/share/bash-completion/completions/cartvod; do
   [ -e "$root/$file" ] || fail "$file is not installed"

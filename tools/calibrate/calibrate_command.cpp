@@ -13,8 +13,8 @@
 
 namespace cartvo {
 
-void addCalibrateCommand(Command cartvo) {
-  const Command command = cartvo.addSubcommand("calibrate", "Calibrate the cameras, and related tools");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "calibrate");
   command.limitSubcommands(0, 1);
   command.footer(
       "Print a board (cartvo calibrate board), glue it to a flat plate, measure a square with a ruler or\n"

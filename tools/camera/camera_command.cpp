@@ -325,9 +325,8 @@ void addApply(Command command) {
 
 }  // namespace
 
-void addCameraCommand(Command cartvo) {
-  const Command command = cartvo.addSubcommand(
-      "camera", "Find cameras; show, check and change settings of Hikvision cameras; set up their network");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "camera");
   command.limitSubcommands(1, 1);
   std::shared_ptr<Options> options;
   addAction(command, "show", "Show what the cameras are and are set to", show, options)

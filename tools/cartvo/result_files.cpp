@@ -1,28 +1,9 @@
-// Options and checks of the files that commands write.
+// Checks of the files that commands write.
 #include "tools/cartvo/result_files.hpp"
 
-#include <exception>
-#include <string>
-
 #include "common/atomic_file.hpp"
-#include "common/command_line/parser.hpp"
-#include "tools/report/drawing.hpp"
 
 namespace cartvo {
-
-Option addPlotOption(Command command, std::filesystem::path& file, const std::string& shows) {
-  const auto check_name = [](const std::string& name) -> std::string {
-    try {
-      checkDrawingName(name);
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return {};
-  };
-  return command.addOption("--plot", file, "Draw " + shows + " into this .svg or .png file")
-      .check(check_name)
-      .typeName("FILE");
-}
 
 void checkResultFiles(std::initializer_list<std::filesystem::path> files) {
   for (const std::filesystem::path& file : files) {

@@ -96,9 +96,8 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addDoctorCommand(Command cartvo) {
-  const Command command = cartvo.addSubcommand(
-      "doctor", "Look at everything that goes wrong in the field, and say what to do about it");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "doctor");
   const auto options = std::make_shared<Options>();
   doctor::DoctorSettings& settings = options->doctor;
   settings.access.timeout = kRequestTimeout;

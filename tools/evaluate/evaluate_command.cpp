@@ -18,6 +18,7 @@
 #include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/json_text.hpp"
+#include "tools/cartvo/plot_option.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/evaluate/alignment.hpp"
 #include "tools/evaluate/association.hpp"
@@ -241,8 +242,8 @@ void separateTruth(Options& options) {
 
 }  // namespace
 
-void addEvaluateCommand(Command cartvo) {
-  const Command command = cartvo.addSubcommand("evaluate", "Compare a trajectory with the truth");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "evaluate");
   const auto options = std::make_shared<Options>();
   addFileOptions(command, *options);
   addFitOptions(command, *options);

@@ -77,9 +77,8 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addExportCommand(Command cartvo) {
-  const Command command =
-      cartvo.addSubcommand("export", "Write a recording or results in the formats of other tools");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "export");
   const auto options = std::make_shared<Options>();
   command
       .addOption(

@@ -83,8 +83,8 @@ Command addAction(Command command, const std::string& name, const std::string& d
 
 }  // namespace
 
-void addRecordingCommand(Command cartvo) {
-  const Command command = cartvo.addSubcommand("recording", "Show, verify or trim a recording");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "recording");
   command.limitSubcommands(1, 1);
   const auto options = std::make_shared<Options>();
   const Command info =

@@ -358,9 +358,8 @@ void addPublishOptions(Command command, Options& options) {
 
 }  // namespace
 
-void addReplayCommand(Command cartvo) {
-  const Command command =
-      cartvo.addSubcommand("replay", "Estimate the motion from a recording or a folder of images");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "replay");
   const auto options = std::make_shared<Options>();
   addSourceOptions(command, *options);
   addEstimationOptions(command, *options);

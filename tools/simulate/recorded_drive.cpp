@@ -121,7 +121,8 @@ Trajectory RecordedDrive::truth() const {
 fs::path sampleDrive() {
   std::error_code no_error;
   const fs::path program = fs::read_symlink("/proc/self/exe", no_error);
-  const fs::path folder = program.parent_path().parent_path() / "share/cartvo/sample_drive";
+  // From libexec/cartvo.
+  const fs::path folder = program.parent_path().parent_path().parent_path() / "share/cartvo/sample_drive";
   return capture::isRecording(folder) ? folder : fs::path();
 }
 

@@ -32,8 +32,9 @@ bool isProgram(const fs::path& file) {
 
 fs::path findProgram() {
   std::error_code no_error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", no_error).parent_path();
-  for (const fs::path& file : {folder / kName, folder.parent_path().parent_path() / "lab/render" / kName})
+  const fs::path libexec = fs::read_symlink("/proc/self/exe", no_error).parent_path().parent_path();
+  const fs::path prefix = libexec.parent_path();
+  for (const fs::path& file : {prefix / "bin" / kName, prefix.parent_path() / "lab/render" / kName})
     if (isProgram(file)) return file;
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);

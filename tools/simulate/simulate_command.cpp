@@ -285,9 +285,8 @@ void run(const SimulateOptions& options) {
 
 }  // namespace
 
-void addSimulateCommand(Command cartvo) {
-  const Command command =
-      cartvo.addSubcommand("simulate", "Serve two simulated IP cameras, with ground truth");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "simulate");
   const auto options = std::make_shared<SimulateOptions>();
   const auto names_content = addSimulateOptions(command, *options);
   command.footer(

@@ -45,9 +45,8 @@ void run(const Options& options) {
 
 }  // namespace
 
-void addWatchCommand(Command cartvo) {
-  const Command command =
-      cartvo.addSubcommand("watch", "Show the odometry of cartvod live, with a summary at the end");
+void addCommands(Command cartvo) {
+  const Command command = addNamedCommand(cartvo, "watch");
   const auto options = std::make_shared<Options>();
   WatchSettings& watch = options->watch;
   command.addOption("--url", watch.url, "LCM URL, equal to lcm.url in the configuration of cartvod")

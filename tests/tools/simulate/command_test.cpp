@@ -116,9 +116,13 @@ TEST(SimulateCommand, KeepsARenderedDriveInItsCache) {
 }
 
 TEST(SimulateCommand, SaysWhatProvidesAMissingRenderer) {
-  const test::TemporaryFolder folder;  // the program alone
-  std::filesystem::copy_file(test::cartvoProgram(), folder / "cartvo");
-  const test::CommandResult run = test::runCommand("PATH=/nowhere " + (folder / "cartvo").string() +
+  const test::TemporaryFolder folder;  // the programs alone
+  const std::filesystem::path command = "libexec/cartvo/cartvo-simulate";
+  std::filesystem::create_directories(folder / command.parent_path());
+  std::filesystem::create_directory(folder / "bin");
+  std::filesystem::copy_file(test::cartvoProgram().parent_path().parent_path() / command, folder / command);
+  std::filesystem::copy_file(test::cartvoProgram(), folder / "bin/cartvo");
+  const test::CommandResult run = test::runCommand("PATH=/nowhere " + (folder / "bin/cartvo").string() +
                                                    " simulate --world turns --prepare-only 2>&1");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("install the package cartvo-lab, or build the target cartvo-render"));

@@ -15,6 +15,7 @@
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
 #include "tools/cartvo/json_text.hpp"
+#include "tools/cartvo/plot_option.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "vo_core/odometry_settings.hpp"
 

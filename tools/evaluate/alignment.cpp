@@ -2,9 +2,7 @@
 #include "tools/evaluate/alignment.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <stdexcept>
 
 #include "calib/model/rotation.hpp"
@@ -13,39 +11,11 @@
 namespace cartvo {
 namespace {
 
-Eigen::Vector3d centreOf(const Trajectory& trajectory) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const StampedPose& stamped : trajectory)
-    sum += stamped.pose.translation();
-  return sum / static_cast<double>(trajectory.size());
-}
-
-/// The similarity that fits the positions best (S. Umeyama, "Least-squares estimation of transformation
-/// parameters between two point patterns", 1991).
-struct Fit {
-  Eigen::Vector3d from, to;                            ///< the centres
-  double estimate_squares = 0.0, truth_squares = 0.0;  ///< sums about the centres
-  Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
-  double scale = 1.0;
-
-  Eigen::Vector3d apply(const StampedPose& estimate) const {
-    return scale * (R * (estimate.pose.translation() - from)) + to;
-  }
-};
-
-Fit fitOf(const AssociatedTrajectories& associated, bool with_scale) {
-  Fit fit{centreOf(associated.estimate), centreOf(associated.truth)};
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < associated.estimate.size(); ++i) {
-    const Eigen::Vector3d estimate = associated.estimate[i].pose.translation() - fit.from,
-                          truth = associated.truth[i].pose.translation() - fit.to;
-    products += truth * estimate.transpose();
-    fit.estimate_squares += estimate.squaredNorm();
-    fit.truth_squares += truth.squaredNorm();
-  }
-  fit.R = calib::bestRotation(products);
-  if (with_scale) fit.scale = fit.R.cwiseProduct(products).sum() / fit.estimate_squares;
-  return fit;
+Eigen::Matrix3Xd positionsOf(const Trajectory& trajectory) {
+  Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(trajectory.size()));
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+    positions.col(static_cast<Eigen::Index>(i)) = trajectory[i].pose.translation();
+  return positions;
 }
 
 /// The constant rotation from the estimate's axes to the truth's that fits all orientations best.
@@ -59,26 +29,30 @@ Eigen::Matrix3d axesBetween(const AssociatedTrajectories& associated) {
 }  // namespace
 
 double alignedError(const AssociatedTrajectories& associated) {
-  const Fit fit = fitOf(associated, false);
-  double squares = 0.0;
-  for (std::size_t i = 0; i < associated.estimate.size(); ++i)
-    squares += (fit.apply(associated.estimate[i]) - associated.truth[i].pose.translation()).squaredNorm();
-  return std::sqrt(squares / static_cast<double>(associated.estimate.size()));
+  const Eigen::Matrix3Xd estimate = positionsOf(associated.estimate), truth = positionsOf(associated.truth);
+  const Eigen::Isometry3d alignment(Eigen::umeyama(estimate, truth, false));
+  const Eigen::Matrix3Xd rest = (alignment.linear() * estimate).colwise() + alignment.translation() - truth;
+  return std::sqrt(rest.squaredNorm() / static_cast<double>(estimate.cols()));
 }
 
 void fitEstimate(const ComparisonSettings& settings, AssociatedTrajectories& associated) {
   if (!settings.aligns && !settings.corrects_scale) return;
-  const Fit fit = fitOf(associated, settings.corrects_scale);
+  const Eigen::Matrix3Xd estimate = positionsOf(associated.estimate), truth = positionsOf(associated.truth);
   constexpr double kMinExtent = 0.1;  // m, RMS about the centre
-  if (std::min(fit.estimate_squares, fit.truth_squares) <
-      kMinExtent * kMinExtent * static_cast<double>(associated.estimate.size()))
-    throw std::runtime_error("a standstill has no path to fit; leave out --align and --correct-scale");
-  associated.scale = fit.scale;
+  for (const Eigen::Matrix3Xd& positions : {estimate, truth}) {
+    const double squares = (positions.colwise() - positions.rowwise().mean()).squaredNorm();
+    if (squares < kMinExtent * kMinExtent * static_cast<double>(positions.cols()))
+      throw std::runtime_error("a standstill has no path to fit; leave out --align and --correct-scale");
+  }
+  const Eigen::Matrix4d fit = Eigen::umeyama(estimate, truth, settings.corrects_scale);
+  if (settings.corrects_scale) associated.scale = std::cbrt(fit.topLeftCorner<3, 3>().determinant());
   associated.is_aligned = settings.aligns;
+  const Eigen::Matrix3d R = fit.topLeftCorner<3, 3>() / associated.scale;
   for (StampedPose& stamped : associated.estimate) {
-    stamped.pose.translation() =
-        settings.aligns ? fit.apply(stamped) : Eigen::Vector3d(fit.scale * stamped.pose.translation());
-    if (settings.aligns) stamped.pose.linear() = fit.R * stamped.pose.linear();
+    stamped.pose.translation() *= associated.scale;
+    if (!settings.aligns) continue;
+    stamped.pose.translation() = R * stamped.pose.translation() + fit.topRightCorner<3, 1>();
+    stamped.pose.linear() = R * stamped.pose.linear();
   }
   if (!settings.aligns) return;
   const Eigen::Matrix3d axes = axesBetween(associated);

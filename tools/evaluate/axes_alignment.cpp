@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <cmath>
+#include <Eigen/SVD>
 #include <vector>
 
 #include "calib/model/rotation.hpp"
@@ -37,16 +37,6 @@ std::vector<Displacements> shortDisplacements(const AssociatedTrajectories& asso
   return displacements;
 }
 
-/// Of a straight path, also one forth and back, only its direction is known: the shortest rotation from the
-/// estimate's to the truth's, the first right and left singular vectors of the sum of truth * estimate^T.
-Eigen::Vector3d directionRotation(const Eigen::Matrix3d& products) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(products.transpose() * products);
-  const Eigen::Vector3d from = solver.eigenvectors().col(2), to = (products * from).normalized(),
-                        axis = from.cross(to);
-  const double sine = axis.norm();
-  return std::atan2(sine, from.dot(to)) * (sine > 0.0 ? Eigen::Vector3d(axis / sine) : from.unitOrthogonal());
-}
-
 Eigen::Isometry3d rotationTransform(const Eigen::Vector3d& rotation) {
   vo::Vector6d motion;
   motion << Eigen::Vector3d::Zero(), rotation;
@@ -67,8 +57,13 @@ std::optional<Eigen::Vector3d> axesRotation(const AssociatedTrajectories& associ
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares / static_cast<double>(displacements.size()))
           .eigenvalues();
   if (spread[2] <= kMinEigenvalue) return Eigen::Vector3d::Zero();
-  if (spread[0] + spread[1] < kMinEigenvalueRatio * spread.sum()) return directionRotation(products);
-  const Eigen::AngleAxisd rotation(calib::bestRotation(products));
+  // Of a straight path, also one forth and back, only its direction is known.
+  Eigen::Matrix3d turn = calib::bestRotation(products);
+  if (spread[0] + spread[1] < kMinEigenvalueRatio * spread.sum()) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    turn = Eigen::Quaterniond::FromTwoVectors(svd.matrixV().col(0), svd.matrixU().col(0)).toRotationMatrix();
+  }
+  const Eigen::AngleAxisd rotation(turn);
   return Eigen::Vector3d(rotation.angle() * rotation.axis());
 }
 

@@ -15,6 +15,7 @@ constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
 constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
 constexpr int kMostKnots = 64;
+constexpr int kMostKnotsOfStart = 40;
 constexpr double kKnotsOfPair = 2.0;     // a mount that shakes at 10 Hz needs them
 constexpr double kLongestReadout = 0.1;  // s
 constexpr int kPairsOfStart = 5;         // whose values are far from the solution
@@ -88,11 +89,15 @@ ExposureMotion motionAt(const Trajectory& trajectory, double time, double range)
 
 }  // namespace
 
-/// Whether `window` is this one and a new pair.
+/// Whether `window` is this one and a new pair, which the trajectory can reach with a bounded number of
+/// knots.
 bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
   const auto& pairs = state_.problem.pairs;
-  return !pairs.empty() && pairs.size() + 1 == window.size() &&
-         state_.problem.trajectory.size() < kMostKnots &&
+  const Trajectory& trajectory = state_.problem.trajectory;
+  if (pairs.empty() || pairs.size() + 1 != window.size()) return false;
+  const double time = 1e-9 * static_cast<double>(window.back().exposure_ns - state_.epoch_ns);
+  const double end = time + reachOf(state_.problem.shared, window.back().offset).after;
+  return trajectory.size() + (end - trajectory.end()) / trajectory.interval() < kMostKnots &&
          std::equal(
              pairs.begin(), pairs.end(), window.begin(),
              [](const WindowPair& pair, const WindowFrame& frame) { return pair.index == frame.index; });
@@ -115,11 +120,13 @@ void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   problem.prior.information.diagonal() =
       input.shared.stddev.cwiseMax(kLeastStddev).cwiseAbs2().cwiseInverse();
 
-  const double interval = times.back() / static_cast<double>(times.size() - 1) / kKnotsOfPair;
   const WindowFrame& first = input.window.front();
   const double start = -reachOf(problem.shared, first.offset).before;
+  const double end = times.back() + reachOf(problem.shared, input.window.back().offset).after;
+  const double interval = std::max(times.back() / static_cast<double>(times.size() - 1) / kKnotsOfPair,
+                                   (end - start) / kMostKnotsOfStart);
   problem.trajectory = Trajectory(start, interval, first.T_world_camera);
-  problem.trajectory.extendTo(times.back() + reachOf(problem.shared, input.window.back().offset).after);
+  problem.trajectory.extendTo(end);
   for (int i = 0; i < problem.trajectory.size(); ++i)
     problem.trajectory.set(i, poseOf(input.window, times, problem.trajectory.timeOf(i)));
   Matrix6d gauge = first.uncertainty.pose;

@@ -57,8 +57,6 @@ class TrackWindow {
   std::optional<Adjusted> adjust(const TrackWindowInput& input);
   void accept();
 
-  const WindowProblem& problem() const { return state_.problem; }
-
  private:
   /// Name of a landmark's life with one anchor.
   struct Key {

@@ -107,14 +107,6 @@ struct WindowPrior {
   Eigen::VectorXd changeTo(const SharedVector& shared, const Trajectory& trajectory) const;
 };
 
-/// A pose that is known: the gauge of a new window.
-struct WindowGauge {
-  double time = 0.0;  ///< s
-  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  Matrix6d covariance =
-      Matrix6d::Identity();  ///< m and rad: position in the world's axes, rotation on the right
-};
-
 struct WindowProblem {
   StereoCamera camera;
   FixedVector<WindowPair, kMaximumWindowPairs> pairs;  ///< oldest first

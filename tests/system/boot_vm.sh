@@ -25,7 +25,7 @@ done
 build_programs() { # the package, and what the checks need beside it
   tools/setup
   cmake --preset release >"$work/build.log"
-  cmake --build --preset release --target cartvo_commands --target cartvo-render --target cartvo_capture_link_tests >>"$work/build.log"
+  cmake --build --preset release --target cartvo --target cartvo-render --target cartvo_capture_link_tests >>"$work/build.log"
   [ -n "${CARTVO_VM_DEB:-}" ] || tools/package "$work/package" >>"$work/build.log"
   package=${CARTVO_VM_DEB:-$(echo "$work"/package/cartvo_*.deb)}
 }

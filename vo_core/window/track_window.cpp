@@ -193,6 +193,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
   std::size_t at = 0;
   for (const auto& [key, index] : chosen_) {
     const Landmark& landmark = input.landmarks[index];
+    const std::int64_t anchor = std::get<0>(key);
     while (at < keys.size() && keys[at] < key)
       ++at;
     WindowLandmark item;
@@ -200,7 +201,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
       item = before[at];
     } else {
       const auto* const host = std::find_if(problem.pairs.begin(), problem.pairs.end(),
-                                            [&](const WindowPair& pair) { return pair.index == key.anchor; });
+                                            [&](const WindowPair& pair) { return pair.index == anchor; });
       if (host == problem.pairs.end()) continue;
       const Eigen::Vector2d& pixel = landmark.anchor().left;
       const double time =

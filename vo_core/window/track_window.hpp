@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "vo_core/geometry/exposure_motion.hpp"
@@ -58,12 +60,8 @@ class TrackWindow {
   void accept();
 
  private:
-  /// Name of a landmark's life with one anchor.
-  struct Key {
-    std::int64_t anchor;  ///< index of a pair
-    double x, y;          ///< px, of the anchor's position
-    auto operator<=>(const Key&) const = default;
-  };
+  /// Name of a landmark's life with one anchor: index of the anchor's pair, and its position in it, px.
+  using Key = std::tuple<std::int64_t, double, double>;
   struct State {
     WindowProblem problem;
     std::vector<Key> keys;      ///< of problem.landmarks, ascending

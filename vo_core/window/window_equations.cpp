@@ -84,7 +84,7 @@ WindowNoises WindowNoiseSums::concluded(const WindowNoises& before) const {
 
 WindowEquations::Band& WindowEquations::bandOf(const WindowProblem& problem, const WindowSighting& sighting) {
   const int row = std::clamp(static_cast<int>((sighting.left_share + 0.5) * kBands), 0, kBands - 1);
-  Band& band = bands_[static_cast<std::size_t>(sighting.pair * kBands + row)];
+  Band& band = bands_[static_cast<std::size_t>(sighting.pair) * kBands + static_cast<std::size_t>(row)];
   if (band.used) return band;
   band.used = true;
   band.information.setZero();

@@ -29,6 +29,7 @@ LAYERS = {
         "vo_core/rolling_shutter",
         "vo_core/self_calibration",
         "vo_core/integrity",
+        "vo_core/window",
         "vo_core/odometry_method",
         "vo_core/track vo_core/thesis",
         "vo_core",

@@ -10,7 +10,7 @@ constexpr double kKnownStddev = 1e-5;  // s, of a readout that is stated
 
 }  // namespace
 
-/// What is known of the cameras before a window: readouts and rig as estimated so far.
+/// Knowledge of the cameras before a window: readouts and rig as estimated so far.
 SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draft) const {
   const ReadoutEstimators& readouts = draft.estimates.readouts;
   const SelfCalibrationSettings& settings = settings_.self_calibration;

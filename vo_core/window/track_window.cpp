@@ -32,24 +32,24 @@ Reach reachOf(const SharedVector& shared, double offset) {
   return {half + kMargin + std::max(0.0, -offset), half + kMargin + std::max(0.0, offset)};
 }
 
-/// Positions of a landmark as sightings. The anchor's patch is as noisy as the same patch later.
-void toSightings(const Landmark& landmark, const RowTiming& timing,
-                 const FixedVector<WindowPair, kMaximumWindowPairs>& pairs, WindowLandmark& item) {
-  item.sightings.clear();
+/// Positions of a landmark as observations. The anchor's patch is as noisy as the same patch later.
+void toObservations(const Landmark& landmark, const RowTiming& timing,
+                    const FixedVector<WindowPair, kMaximumWindowPairs>& pairs, WindowLandmark& item) {
+  item.observations.clear();
   for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
     const Observation& seen = landmark.observations[i];
     const auto* const pair = std::find_if(pairs.begin(), pairs.end(), [&](const WindowPair& candidate) {
       return candidate.index == seen.frame;
     });
     if (pair == pairs.end()) continue;
-    WindowSighting& sighting = item.sightings.emplace_back();
-    sighting.pair = static_cast<int>(pair - pairs.begin());
-    sighting.stereo = seen.stereo;
-    sighting.left = seen.left;
-    sighting.right = seen.right();
-    sighting.left_share = timing.leftShare(sighting.left);
-    sighting.right_share = timing.rightShare(sighting.right);
-    sighting.relative_noise = landmark.observations[i == 0 ? 1 : i].relative_noise;
+    WindowObservation& observation = item.observations.emplace_back();
+    observation.pair = static_cast<int>(pair - pairs.begin());
+    observation.stereo = seen.stereo;
+    observation.left = seen.left;
+    observation.right = seen.right();
+    observation.left_share = timing.leftShare(observation.left);
+    observation.right_share = timing.rightShare(observation.right);
+    observation.relative_noise = landmark.observations[i == 0 ? 1 : i].relative_noise;
   }
 }
 
@@ -183,7 +183,7 @@ void TrackWindow::removeEnded(const TrackWindowInput& input) {
   problem.prior.addSharedNoise(seconds * input.shared.drift.cwiseAbs2());
 }
 
-/// Sets the landmarks of the newest pair with all their sightings, at the places known so far.
+/// Sets the landmarks of the newest pair with all their observations, at the places known so far.
 void TrackWindow::addLandmarks(const TrackWindowInput& input) {
   WindowProblem& problem = next_.problem;
   std::vector<WindowLandmark> before;
@@ -211,8 +211,8 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
       item.place << bearing.x(), bearing.y(), landmark.inverse_depth;
       item.level = landmark.level;
     }
-    toSightings(landmark, input.timing, problem.pairs, item);
-    if (item.sightings.size() < 2) continue;
+    toObservations(landmark, input.timing, problem.pairs, item);
+    if (item.observations.size() < 2) continue;
     next_.keys.push_back(key);
     problem.landmarks.push_back(item);
   }
@@ -244,7 +244,7 @@ void TrackWindow::addDepths(Adjusted& adjusted) const {
       ++at;
     if (at == next_.keys.size() || next_.keys[at] != key) continue;
     const WindowLandmark& landmark = problem.landmarks[at];
-    const Eigen::Isometry3d& anchor = adjusted.pairs[landmark.sightings.front().pair].T_world_camera;
+    const Eigen::Isometry3d& anchor = adjusted.pairs[landmark.observations.front().pair].T_world_camera;
     const Eigen::Isometry3d T_anchor_host = anchor.inverse() * landmark.T_world_host;
     const double depth =  // times the inverse depth
         T_anchor_host.linear().row(2).dot(Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0)) +

@@ -17,13 +17,13 @@
 
 namespace cartvo::vo {
 
-/// What is known of the shared states before a window, and how they change.
+/// Knowledge of the shared states before a window, and how they change.
 struct SharedPrior {
   SharedVector mean = SharedVector::Zero(), stddev = SharedVector::Zero();
   SharedVector drift = SharedVector::Zero();  ///< stddev after 1 s of a random walk
 };
 
-/// What a pair of a track is adjusted with.
+/// The data that a pair of a track is adjusted with.
 struct TrackWindowInput {
   const StereoCamera& camera;
   const RowTiming& timing;
@@ -35,7 +35,7 @@ struct TrackWindowInput {
 };
 
 /// Trajectory of a window of a track, all of it free, with the information of what has left it. An anchor's
-/// patch is the origin of its landmark's later positions, and its own position is a sighting like them: a
+/// patch is the origin of its landmark's later positions, and its own position is an observation like them: a
 /// landmark ends with its anchor, and goes on as another one.
 class TrackWindow {
  public:

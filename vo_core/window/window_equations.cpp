@@ -21,7 +21,7 @@ constexpr Eigen::Index columnOf(int knot) {
   return kSharedStates + 6 * static_cast<Eigen::Index>(knot);
 }
 
-/// Adds the products of `by_state` (columns as SightingState) with the derivatives of those states by the
+/// Adds the products of `by_state` (columns as ObservationState) with the derivatives of those states by the
 /// unknowns: a linear map of rows to rows.
 template <typename ByState, typename Result>
 void addByUnknowns(const WindowBand& band, const ByState& by_state, Result& result) {
@@ -43,7 +43,8 @@ void addByUnknowns(const WindowBand& band, const ByState& by_state, Result& resu
 
 }  // namespace
 
-void WindowNoiseSums::add(int level, const SightingEquations& equations, const Eigen::Matrix3d& covariance) {
+void WindowNoiseSums::add(int level, const ObservationEquations& equations,
+                          const Eigen::Matrix3d& covariance) {
   Level& sums = levels_[static_cast<std::size_t>(level)];
   const Eigen::Matrix4d explained = equations.by_place * covariance * equations.by_place.transpose();
   for (int image = 0; image < 2; ++image) {
@@ -82,34 +83,35 @@ WindowNoises WindowNoiseSums::concluded(const WindowNoises& before) const {
   return noises;
 }
 
-WindowEquations::Band& WindowEquations::bandOf(const WindowProblem& problem, const WindowSighting& sighting) {
-  const int row = std::clamp(static_cast<int>((sighting.left_share + 0.5) * kBands), 0, kBands - 1);
-  Band& band = bands_[static_cast<std::size_t>(sighting.pair) * kBands + static_cast<std::size_t>(row)];
+WindowEquations::Band& WindowEquations::bandOf(const WindowProblem& problem,
+                                               const WindowObservation& observation) {
+  const int row = std::clamp(static_cast<int>((observation.left_share + 0.5) * kBands), 0, kBands - 1);
+  Band& band = bands_[static_cast<std::size_t>(observation.pair) * kBands + static_cast<std::size_t>(row)];
   if (band.used) return band;
   band.used = true;
   band.information.setZero();
   band.gradient.setZero();
   const double share = (row + 0.5) / kBands - 0.5;
-  band.middle.left_time = problem.leftTime(sighting.pair, share);
-  band.middle.right_time = problem.rightTime(sighting.pair, share);
+  band.middle.left_time = problem.leftTime(observation.pair, share);
+  band.middle.right_time = problem.rightTime(observation.pair, share);
   band.middle.left = problem.trajectory.at(band.middle.left_time);
   band.middle.right = problem.trajectory.at(band.middle.right_time);
   return band;
 }
 
-/// Adds a landmark's sightings to the equations of their bands, and sets its coupling to the unknowns in
+/// Adds a landmark's observations to the equations of their bands, and sets its coupling to the unknowns in
 /// three columns.
 WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& problem,
                                                        const WindowLandmark& landmark, bool gated,
                                                        double scale, Eigen::Index columns) {
   Eliminated result;
-  FixedVector<SightingEquations, kMaximumWindowPairs> rows;
+  FixedVector<ObservationEquations, kMaximumWindowPairs> rows;
   double squares = 0.0, freedom = -3.0;
-  for (const WindowSighting& sighting : landmark.sightings) {
-    const auto seen = equationsOf(problem, bandOf(problem, sighting).middle, landmark, sighting, scale);
+  for (const WindowObservation& observation : landmark.observations) {
+    const auto seen = equationsOf(problem, bandOf(problem, observation).middle, landmark, observation, scale);
     if (!seen) return result;
     rows.push_back(*seen);
-    for (int image = 0; image < (sighting.stereo ? 2 : 1); ++image) {
+    for (int image = 0; image < (observation.stereo ? 2 : 1); ++image) {
       squares += std::min(seen->squareIn(image), kLargestSquare);
       freedom += 2.0;
     }
@@ -121,18 +123,19 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   cross_.setZero(3, information_.cols());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const SightingEquations& row = rows[i];
-    Band& band = bandOf(problem, landmark.sightings[i]);
+    const ObservationEquations& row = rows[i];
+    Band& band = bandOf(problem, landmark.observations[i]);
     Eigen::Vector4d weight = kStudentInformation * row.precision;
     weight.head<2>() *= studentWeight(row.squareIn(0));
     weight.tail<2>() *= studentWeight(row.squareIn(1));
-    const Eigen::Matrix<double, kSightingStates, 4> weighted = row.by_state.transpose() * weight.asDiagonal();
+    const Eigen::Matrix<double, kObservationStates, 4> weighted =
+        row.by_state.transpose() * weight.asDiagonal();
     band.information += weighted.lazyProduct(row.by_state);
     band.gradient += weighted.lazyProduct(row.residual);
     const Eigen::Matrix<double, 3, 4> weighted_place = row.by_place.transpose() * weight.asDiagonal();
     information.noalias() += weighted_place * row.by_place;
     gradient.noalias() += weighted_place * row.residual;
-    const Eigen::Matrix<double, 3, kSightingStates> by_state = weighted_place.lazyProduct(row.by_state);
+    const Eigen::Matrix<double, 3, kObservationStates> by_state = weighted_place.lazyProduct(row.by_state);
     addByUnknowns(band.middle, by_state, cross_);
   }
   const Eigen::LLT<Eigen::Matrix3d> factor(information);
@@ -143,7 +146,7 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
   const Eigen::Matrix3d inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
   couplings_.middleCols<3>(columns) = cross_.transpose().lazyProduct(inverse.transpose());
   const Eigen::Matrix3d covariance = factor.solve(Eigen::Matrix3d::Identity());
-  for (const SightingEquations& row : rows)
+  for (const ObservationEquations& row : rows)
     sums_.add(landmark.level, row, covariance);
   return result;
 }
@@ -155,8 +158,8 @@ void WindowEquations::addBand(const Band& band) {
   WindowBand local = band.middle;  // as if its first knot were the trajectory's
   local.left.first -= first;
   local.right.first -= first;
-  using States = Eigen::Matrix<double, kSightingStates, kSightingStates>;
-  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(kSightingStates, columnOf(knots));
+  using States = Eigen::Matrix<double, kObservationStates, kObservationStates>;
+  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(kObservationStates, columnOf(knots));
   addByUnknowns(local, States::Identity(), by_unknowns);
   const Eigen::MatrixXd products = by_unknowns.transpose() * band.information * by_unknowns;
   const Eigen::VectorXd gradient = by_unknowns.transpose() * band.gradient;
@@ -201,8 +204,8 @@ void WindowEquations::setLandmarks(const WindowProblem& problem, const std::vect
   if (landmarks.empty()) return;
   // Landmarks that come with one pair follow each other.
   for (std::size_t begin = 0, end = 0; begin < landmarks.size(); begin = end) {
-    const int pair = landmarks[begin].sightings.front().pair;
-    while (end < landmarks.size() && landmarks[end].sightings.front().pair == pair)
+    const int pair = landmarks[begin].observations.front().pair;
+    while (end < landmarks.size() && landmarks[end].observations.front().pair == pair)
       ++end;
     const double earliest = std::min({problem.leftTime(pair, -0.5), problem.leftTime(pair, 0.5),
                                       problem.rightTime(pair, -0.5), problem.rightTime(pair, 0.5)});

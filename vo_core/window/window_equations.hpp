@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "vo_core/window/sighting_equations.hpp"
+#include "vo_core/window/observation_equations.hpp"
 #include "vo_core/window/window_problem.hpp"
 
 // Normal equations of a window: landmarks are eliminated, each trajectory's knots and the shared states stay.
@@ -14,7 +14,7 @@ namespace cartvo::vo {
 class WindowNoiseSums {
  public:
   /// `covariance`: of the landmark's place given all poses.
-  void add(int level, const SightingEquations& equations, const Eigen::Matrix3d& covariance);
+  void add(int level, const ObservationEquations& equations, const Eigen::Matrix3d& covariance);
   /// Noise of most likelihood, that of `before` where residuals are few. `before`: with which they were made.
   WindowNoises concluded(const WindowNoises& before) const;
 
@@ -32,8 +32,8 @@ class WindowNoiseSums {
 /// Normal equations about the problem's values. Unknowns as WindowPrior's.
 class WindowEquations {
  public:
-  /// Equations of sightings, with the landmarks eliminated (Schur complement of 3 x 3 blocks; B. Triggs et
-  /// al., "Bundle adjustment - a modern synthesis", 2000). `gated`: a landmark whose sightings contradict
+  /// Equations of observations, with the landmarks eliminated (Schur complement of 3 x 3 blocks; B. Triggs et
+  /// al., "Bundle adjustment - a modern synthesis", 2000). `gated`: a landmark whose observations contradict
   /// each other beyond the gate is left out. `scale`: factor on the noise.
   void setLandmarks(const WindowProblem& problem, const std::vector<WindowLandmark>& landmarks, bool gated,
                     double scale);
@@ -49,20 +49,20 @@ class WindowEquations {
   const Eigen::VectorXd& gradient() const { return gradient_; }
 
  private:
-  /// Equations of the sightings in a band of rows of a pair.
+  /// Equations of the observations in a band of rows of a pair.
   struct Band {
     bool used = false;
     WindowBand middle;
-    Eigen::Matrix<double, kSightingStates, kSightingStates> information;  ///< lower triangle
-    Eigen::Matrix<double, kSightingStates, 1> gradient;
+    Eigen::Matrix<double, kObservationStates, kObservationStates> information;  ///< lower triangle
+    Eigen::Matrix<double, kObservationStates, 1> gradient;
   };
-  /// What a landmark's elimination leaves for its own step.
+  /// A landmark's elimination, for its own step.
   struct Eliminated {
     bool used = false;
     Eigen::Matrix3d root;  ///< lower triangular, of the information
   };
 
-  Band& bandOf(const WindowProblem& problem, const WindowSighting& sighting);
+  Band& bandOf(const WindowProblem& problem, const WindowObservation& observation);
   Eliminated eliminate(const WindowProblem& problem, const WindowLandmark& landmark, bool gated, double scale,
                        Eigen::Index columns);
   void addBand(const Band& band);

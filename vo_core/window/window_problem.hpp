@@ -13,13 +13,13 @@
 #include "vo_core/stereo_camera.hpp"
 #include "vo_core/window/trajectory.hpp"
 
-// The window of `estimator: window` as plain data: trajectory, rig, landmarks, sightings, noise and prior.
+// The window of `estimator: window` as plain data: trajectory, rig, landmarks, observations, noise and prior.
 
 namespace cartvo::vo {
 
-/// What all pairs of a window share, as a vector: readouts of both cameras (s), error of the time stamps'
-/// offset (s, right camera later), errors of the right camera (RigCorrection, normalised coordinates), and
-/// `skew`, the row pattern x y of the lenses beyond that of yaw and p2.
+/// States that all pairs of a window share, as a vector: readouts of both cameras (s), error of the time
+/// stamps' offset (s, right camera later), errors of the right camera (RigCorrection, normalised
+/// coordinates), and `skew`, the row pattern x y of the lenses beyond that of yaw and p2.
 enum SharedState : int {
   kLeftReadout,
   kRightReadout,
@@ -48,7 +48,7 @@ struct WindowPair {
 };
 
 /// A landmark in both images of a pair: up to four coordinates, px, as seen.
-struct WindowSighting {
+struct WindowObservation {
   int pair = 0;         ///< index into WindowProblem::pairs
   bool stereo = false;  ///< whether `right` counts
   Eigen::Vector2d left = Eigen::Vector2d::Zero(), right = Eigen::Vector2d::Zero();
@@ -65,10 +65,10 @@ struct WindowLandmark {
   Eigen::Isometry3d T_world_host = Eigen::Isometry3d::Identity();
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< initial value, then result
   int level = 0;                                    ///< pyramid level, see Landmark
-  FixedVector<WindowSighting, kMaximumWindowPairs> sightings;
+  FixedVector<WindowObservation, kMaximumWindowPairs> observations;
 };
 
-/// Student's t distributions of the coordinates of a sighting in a pyramid level. The search in the right
+/// Student's t distributions of the coordinates of an observation in a pyramid level. The search in the right
 /// image begins at the left position, so that both have a part of their errors in common.
 struct WindowNoise {
   double left = 0.1, right = 0.1;  ///< scales, px of the full image; `right` beside the common part

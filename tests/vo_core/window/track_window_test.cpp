@@ -1,5 +1,5 @@
 // The window of `estimator: window` on simulated measurements of a lively drive: accuracy against the bound,
-// covariances against errors, readouts and offsets that nobody told.
+// covariances against errors, unknown readouts and offsets.
 #include "vo_core/window/track_window.hpp"
 
 #include <Eigen/Cholesky>
@@ -224,7 +224,7 @@ void expectConsistent(const Errors& errors) {
   EXPECT_LT(errors.twist_nees / errors.pairs, 1.3);
 }
 
-// What to expect: the simulations of the same measurements that stated the aims, with 600 landmarks and 0.085
+// The simulations of the same measurements that stated the aims, with 600 landmarks and 0.085
 // px: 0.32 mm and 0.0022 deg a pair with rolling shutters; the Cramer-Rao bound is about 0.3 mm.
 TEST(TrackWindow, IsNearTheBoundWithGlobalShutters) {
   const Errors errors = drivenWith({.readout = 0.0, .told = 0.0, .told_stddev = 0.0});
@@ -232,7 +232,7 @@ TEST(TrackWindow, IsNearTheBoundWithGlobalShutters) {
   EXPECT_LT(motionOf(errors), 0.25e-3);
 }
 
-TEST(TrackWindow, LosesNothingByAReadoutThatNobodyTold) {
+TEST(TrackWindow, LosesNothingByAnUnknownReadout) {
   const Errors told = drivenWith({});
   const Errors untold = drivenWith({.told = 0.032, .told_stddev = 0.0048});
   expectConsistent(told);
@@ -249,7 +249,7 @@ TEST(TrackWindow, GainsByCamerasThatAreNotSynchronised) {
   EXPECT_LT(motionOf(errors), 0.32e-3);
 }
 
-TEST(TrackWindow, FindsAGlobalShutterThatNobodyTold) {
+TEST(TrackWindow, FindsAnUnknownGlobalShutter) {
   const Errors errors = drivenWith({.readout = 0.0, .told = 0.032, .told_stddev = 0.0048});
   expectConsistent(errors);
   EXPECT_LT(std::abs(errors.readout), 0.4e-3);

@@ -1,5 +1,5 @@
 // Projection of a landmark into both cameras of a pair, with derivatives.
-#include "vo_core/window/sighting_equations.hpp"
+#include "vo_core/window/observation_equations.hpp"
 
 #include "vo_core/geometry/reprojection.hpp"
 
@@ -55,32 +55,36 @@ std::optional<Seen> see(const StereoCamera& camera, const Trajectory::Instant& i
 
 }  // namespace
 
-std::optional<SightingEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
-                                             const WindowLandmark& landmark, const WindowSighting& sighting,
-                                             double scale) {
+std::optional<ObservationEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
+                                                const WindowLandmark& landmark,
+                                                const WindowObservation& observation, double scale) {
   const WindowNoise& noise = problem.noise[landmark.level];
-  SightingEquations equations;
+  ObservationEquations equations;
   equations.by_state.setZero();
   equations.by_place.setZero();
-  const auto left = see(problem.camera, band.left,
-                        problem.leftTime(sighting.pair, sighting.left_share) - band.left_time, 0.0, landmark);
+  const auto left =
+      see(problem.camera, band.left,
+          problem.leftTime(observation.pair, observation.left_share) - band.left_time, 0.0, landmark);
   if (!left) return std::nullopt;
-  equations.residual.head<2>() = sighting.left - left->pixel;
-  equations.precision.head<2>() = (scale * noise.left * sighting.relative_noise).cwiseAbs2().cwiseInverse();
-  equations.by_state.block<2, 1>(0, kRowLeftReadout) = sighting.left_share * left->by_time;
+  equations.residual.head<2>() = observation.left - left->pixel;
+  equations.precision.head<2>() =
+      (scale * noise.left * observation.relative_noise).cwiseAbs2().cwiseInverse();
+  equations.by_state.block<2, 1>(0, kRowLeftReadout) = observation.left_share * left->by_time;
   equations.by_state.block<2, 3>(0, kRowLeftPosition) = left->by_position;
   equations.by_state.block<2, 3>(0, kRowLeftTurn) = left->by_turn;
   equations.by_place.topRows<2>() = left->by_place;
-  if (!sighting.stereo) return equations;
+  if (!observation.stereo) return equations;
 
   const auto right = see(problem.camera, band.right,
-                         problem.rightTime(sighting.pair, sighting.right_share) - band.right_time,
+                         problem.rightTime(observation.pair, observation.right_share) - band.right_time,
                          problem.camera.baseline, landmark);
   if (!right) return std::nullopt;
-  const Eigen::Matrix<double, 2, kRigStates> by_rig = correctionByRig(problem.camera, sighting.right);
-  equations.residual.tail<2>() = sighting.right + by_rig * problem.shared.tail<kRigStates>() - right->pixel;
-  equations.precision.tail<2>() = (scale * noise.right * sighting.relative_noise).cwiseAbs2().cwiseInverse();
-  equations.by_state.block<2, 1>(2, kRowRightReadout) = sighting.right_share * right->by_time;
+  const Eigen::Matrix<double, 2, kRigStates> by_rig = correctionByRig(problem.camera, observation.right);
+  equations.residual.tail<2>() =
+      observation.right + by_rig * problem.shared.tail<kRigStates>() - right->pixel;
+  equations.precision.tail<2>() =
+      (scale * noise.right * observation.relative_noise).cwiseAbs2().cwiseInverse();
+  equations.by_state.block<2, 1>(2, kRowRightReadout) = observation.right_share * right->by_time;
   equations.by_state.block<2, 1>(2, kRowOffset) = right->by_time;
   equations.by_state.block<2, 3>(2, kRowRightPosition) = right->by_position;
   equations.by_state.block<2, 3>(2, kRowRightTurn) = right->by_turn;

@@ -5,13 +5,13 @@
 
 #include "vo_core/window/window_problem.hpp"
 
-// Residuals of a sighting, each coordinate at the instant of its own row, and their derivatives.
+// Residuals of an observation, each coordinate at the instant of its own row, and their derivatives.
 
 namespace cartvo::vo {
 
-/// States that a sighting depends on: of each camera at the instant of its row, and what is shared. Positions
-/// are in the world's axes, turns on the right.
-enum SightingState : int {
+/// States that an observation depends on: of each camera at the instant of its row, and what is shared.
+/// Positions are in the world's axes, turns on the right.
+enum ObservationState : int {
   kRowLeftReadout = 0,
   kRowLeftPosition = 1,
   kRowLeftTurn = 4,
@@ -20,7 +20,7 @@ enum SightingState : int {
   kRowRightPosition = 9,
   kRowRightTurn = 12,
   kRowRig = 15,
-  kSightingStates = kRowRig + kRigStates
+  kObservationStates = kRowRig + kRigStates
 };
 
 /// Both cameras of a pair at the instants in the middle of a band of rows.
@@ -32,11 +32,11 @@ struct WindowBand {
 /// Residuals (px, measured minus predicted) in the order left x, y, right x, y, and their derivatives. Of the
 /// right ones, the part that the left ones have in common with them is taken off. Those of an image without a
 /// position are zero and have no weight.
-struct SightingEquations {
+struct ObservationEquations {
   Eigen::Vector4d residual = Eigen::Vector4d::Zero();
-  Eigen::Vector4d precision = Eigen::Vector4d::Zero();  ///< 1/px^2, inverse square of the scales
-  Eigen::Matrix<double, 4, kSightingStates> by_state;   ///< of the prediction
-  Eigen::Matrix<double, 4, 3> by_place;                 ///< of the prediction, by WindowLandmark::place
+  Eigen::Vector4d precision = Eigen::Vector4d::Zero();    ///< 1/px^2, inverse square of the scales
+  Eigen::Matrix<double, 4, kObservationStates> by_state;  ///< of the prediction
+  Eigen::Matrix<double, 4, 3> by_place;                   ///< of the prediction, by WindowLandmark::place
 
   /// Square of the residuals over their scales in one image. `image`: 0 left, 1 right.
   double squareIn(int image) const {
@@ -44,11 +44,11 @@ struct SightingEquations {
   }
 };
 
-/// The equations of a sighting whose rows are near the middle of `band`: the camera moves uniformly between
-/// them. `scale`: factor on the noise. Nothing if the landmark is not in front of both cameras.
-std::optional<SightingEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
-                                             const WindowLandmark& landmark, const WindowSighting& sighting,
-                                             double scale);
+/// The equations of an observation whose rows are near the middle of `band`: the camera moves uniformly
+/// between them. `scale`: factor on the noise. Nothing if the landmark is not in front of both cameras.
+std::optional<ObservationEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
+                                                const WindowLandmark& landmark,
+                                                const WindowObservation& observation, double scale);
 
 /// Degrees of freedom of the noise's t distribution.
 constexpr double kWindowFreedom = 5.0;

@@ -1,5 +1,5 @@
-// Derivatives of the trajectory and of a sighting's residuals against differences.
-#include "vo_core/window/sighting_equations.hpp"
+// Derivatives of the trajectory and of an observation's residuals against differences.
+#include "vo_core/window/observation_equations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ struct Sight {
   WindowProblem problem;
   WindowBand band;
   WindowLandmark landmark;
-  WindowSighting sighting;
+  WindowObservation observation;
 
   Sight() {
     problem.camera = {480.0, 340.0, 210.0, 0.115, 680, 420};
@@ -84,12 +84,14 @@ struct Sight {
     band.right = trajectory.at(band.right_time);
     landmark.T_world_host = trajectory.at(0.02).pose();
     landmark.place << 0.2, -0.1, 0.15;
-    sighting.stereo = true;
-    sighting.left = {400.0, 150.0};
-    sighting.right = {380.0, 150.0};
-    sighting.left_share = sighting.right_share = 0.1;
+    observation.stereo = true;
+    observation.left = {400.0, 150.0};
+    observation.right = {380.0, 150.0};
+    observation.left_share = observation.right_share = 0.1;
   }
-  Eigen::Vector4d residual() const { return equationsOf(problem, band, landmark, sighting, 1.0)->residual; }
+  Eigen::Vector4d residual() const {
+    return equationsOf(problem, band, landmark, observation, 1.0)->residual;
+  }
 };
 
 template <typename Perturb>
@@ -100,9 +102,9 @@ Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {
   return (less.residual() - more.residual()) / (2.0 * kStep);  // of the prediction
 }
 
-TEST(SightingEquations, DerivativesAreThoseOfDifferences) {
+TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
   const Sight sight;
-  const auto equations = equationsOf(sight.problem, sight.band, sight.landmark, sight.sighting, 1.0);
+  const auto equations = equationsOf(sight.problem, sight.band, sight.landmark, sight.observation, 1.0);
   ASSERT_TRUE(equations);
   const auto expect = [&](int state, const auto& perturb) {
     const Eigen::Vector4d numeric = differenceBy(sight, perturb);

@@ -2,7 +2,7 @@
 import dataclasses
 
 from laboratory import drives
-from laboratory.measure import Case, pooled, pooled_validity
+from laboratory.measure import ESTIMATORS, Case, pooled, pooled_validity
 from laboratory.options import numbers, words
 from laboratory.table import NONE, Table, both, fixed, significant
 
@@ -26,7 +26,7 @@ Summaries: segments, motions and NEES of all drives together; mean drift, larges
 
 def add_options(parser):
     parser.add_argument("--quick", action="store_true", help="only the drives campus and standing, six seconds each")
-    parser.add_argument("--estimators", type=words("reprojection", "window", "thesis"), default=["reprojection", "thesis"], metavar="LIST")
+    parser.add_argument("--estimators", type=words(*ESTIMATORS), default=["reprojection", "thesis"], metavar="LIST")
     parser.add_argument("--offset-ms", type=float, default=0.0, metavar="MS", help="the right camera of rendered drives is exposed later")
     parser.add_argument("--readout-ms", default="0", metavar="BOTH|LEFT,RIGHT", help="readout of the rendered cameras; the odometry knows it")
     parser.add_argument("--bitrates-kbps", type=numbers(int), default=[], metavar="LIST",

@@ -37,7 +37,7 @@ def add_options(parser):
     parser.add_argument("--piece-seconds", type=float, default=4.0, metavar="N", help="length of a piece of a drive (default: 4)")
     parser.add_argument("--offset-ms", type=float, default=0.0, metavar="MS", help="the right camera is exposed later")
     parser.add_argument("--readout-ms", default="0", metavar="BOTH|LEFT,RIGHT", help="readout of the cameras; the odometry knows it")
-    parser.add_argument("--estimator", choices=["reprojection", "window", "thesis"], default="reprojection")
+    parser.add_argument("--estimator", choices=measure.ESTIMATORS, default=measure.ESTIMATORS[0])
     parser.add_argument("--against", type=pathlib.Path, metavar="FILE|DIR",
                         help="earlier results (--json, or of jobs): prints by how much these are better or worse")
 
@@ -53,8 +53,8 @@ def cases(options):
     length = round(options.piece_seconds * drives.FRAME_RATE)
     found = [dataclasses.replace(drive, offset_ms=options.offset_ms, readout_ms=options.readout_ms)
              for drive in drives.chosen_drives(options, None, START)]
-    cases = [Case(drive.name, None, drive, estimator=options.estimator, features=options.features[0], labels={"noise_seed": seed, "noise": options.noise, "piece": piece,
-                                                                                 "first_pair": piece * length, "pairs": length})
+    cases = [Case(drive.name, None, drive, estimator=options.estimator, features=options.features[0],
+                  labels={"noise_seed": seed, "noise": options.noise, "piece": piece, "first_pair": piece * length, "pairs": length})
              for drive in found for seed in options.noise_seeds for piece in range(pieces)]
     if options.against:
         paired.check_same(options.against, earlier(options.against), [{"sequence": case.sequence, **case.labels} for case in cases])
@@ -115,7 +115,8 @@ def measure_one(bench, case):
         source = measure.source_of(measure.prepared(bench, case), work)
         recording = cartvo.Recording(source.folder)
         truth = Truth(source, recording.rig)
-        processor = cartvo.PairProcessor(recording.rig, cartvo.Settings(features=case.features, estimator=getattr(cartvo.Estimator, case.estimator.upper())),
+        estimator = getattr(cartvo.Estimator, case.estimator.upper())
+        processor = cartvo.PairProcessor(recording.rig, cartvo.Settings(features=case.features, estimator=estimator),
                                          alert_limits=alert_limits(cartvo, bench.alert_limits))
         for number, pair in itertools.islice(enumerate(recording), labels["first_pair"], labels["first_pair"] + labels["pairs"]):
             estimate = processor.process(with_noise(cartvo, pair, number, labels))

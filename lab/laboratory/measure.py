@@ -11,6 +11,8 @@ import tempfile
 from laboratory import drives
 from laboratory.program import LabError
 
+ESTIMATORS = ["reprojection", "window", "thesis"]  # the default first
+
 
 @dataclasses.dataclass
 class Case:
@@ -18,7 +20,7 @@ class Case:
     sequence: str
     folder: pathlib.Path | None = None
     drive: drives.Drive | None = None
-    estimator: str = "reprojection"
+    estimator: str = ESTIMATORS[0]
     features: int = 1000
     bitrate_kbps: int | None = None
     change: str = ""  # of the pictures, instants or the rig; see laboratory.changes

@@ -4,7 +4,7 @@ import time
 
 from laboratory import drives
 from laboratory.accuracy import groups
-from laboratory.measure import Case, left_images, measure_all as measured, prepared
+from laboratory.measure import ESTIMATORS, Case, left_images, measure_all as measured, prepared
 from laboratory.options import numbers, words
 from laboratory.table import NONE, Table, fixed
 
@@ -22,7 +22,7 @@ def add_options(parser):
     parser.add_argument("--sizes", type=words(), default=["680x420", "1241x376", "1280x720", "1920x1080"], metavar="LIST",
                         help="of the pictures of a rendered campus drive of four seconds; none")
     parser.add_argument("--thread-counts", type=numbers(int), default=[1, 2], metavar="LIST", help="for the odometry")
-    parser.add_argument("--estimator", choices=["reprojection", "window", "thesis"], default="reprojection")
+    parser.add_argument("--estimator", choices=ESTIMATORS, default=ESTIMATORS[0])
     parser.add_argument("--repeats", type=int, default=3, metavar="N", help="of each replay")
 
 

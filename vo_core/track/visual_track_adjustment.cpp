@@ -161,7 +161,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!usesWindow())
     motion.error.startup_inflation = startupInflation(static_cast<int>(draft.window.size()) - 1,
                                                       settings_.bundle.frames, settings_.uncertainty);
-  if (motion.twist && !usesWindow())
+  if (motion.twist)
     motion.twist->covariance += motion.error.offsetCovariance() / (motion.time_step * motion.time_step);
 
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;

@@ -2,6 +2,7 @@
 #include "vo_core/window/observation_equations.hpp"
 
 #include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -16,9 +17,23 @@ Vector23 pixelByRay(const StereoCamera& camera, const Eigen::Vector3d& ray) {
   return by_ray;
 }
 
-Eigen::Vector2d pixelOf(const StereoCamera& camera, const Eigen::Vector3d& ray) {
-  return {camera.cx + camera.focal_length * ray.x() / ray.z(),
-          camera.cy + camera.focal_length * ray.y() / ray.z()};
+/// Derivative of the corrected right pixel (px) by the states from kPitch on; the correction is linear in
+/// them. `pixel`: px, as seen.
+Eigen::Matrix<double, 2, kRigStates> correctionByRig(const StereoCamera& camera,
+                                                     const Eigen::Vector2d& pixel) {
+  Eigen::Matrix<double, 2, kRigStates> by_rig;
+  const auto column = [&](int state) { return by_rig.col(state - kPitch); };
+  const auto shift = [&](const RigCorrection& unit) -> Eigen::Vector2d {
+    return correctedRight(camera, unit, pixel) - pixel;
+  };
+  column(kPitch) = shift({.pitch = 1.0});
+  column(kYaw) = shift({.yaw = 1.0});
+  column(kRoll) = shift({.roll = 1.0});
+  column(kP2) = shift({.p2 = 1.0});
+  const double x = (pixel.x() - camera.cx) / camera.focal_length;
+  const double y = (pixel.y() - camera.cy) / camera.focal_length;
+  column(kSkew) = Eigen::Vector2d(0.0, camera.focal_length * x * y);
+  return by_rig;
 }
 
 /// A landmark's pixel in one camera, and its derivatives.
@@ -44,7 +59,7 @@ std::optional<Seen> see(const StereoCamera& camera, const Trajectory::Instant& i
   if (seen.z() < kNearestRay) return std::nullopt;
   const Vector23 by_ray = pixelByRay(camera, seen);
   Seen result;
-  result.pixel = pixelOf(camera, seen);
+  result.pixel = project(camera, seen);
   result.by_position.noalias() = -inverse_depth * by_ray * to_camera;
   result.by_turn.noalias() = by_ray * skew(ray);
   result.by_place.leftCols<2>().noalias() = by_ray * from_host.leftCols<2>();

@@ -64,7 +64,6 @@ std::vector<double> timesOf(const std::vector<WindowFrame>& window, std::int64_t
 /// Pose at a time (s) by those of a window: between pairs by their motion, beyond them at constant velocity.
 Eigen::Isometry3d poseOf(const std::vector<WindowFrame>& window, const std::vector<double>& times,
                          double time) {
-  if (window.size() < 2) return window.front().T_world_camera;
   const auto after = std::upper_bound(times.begin() + 1, times.end() - 1, time);
   const auto i = static_cast<std::size_t>(after - times.begin());
   const Eigen::Isometry3d& from = window[i - 1].T_world_camera;
@@ -172,7 +171,7 @@ void TrackWindow::removeEnded(const TrackWindowInput& input) {
   if (full) {
     const WindowPair& oldest = problem.pairs[1];
     const double start = oldest.time - reachOf(problem.shared, oldest.offset).before;
-    knots = std::max(0, problem.trajectory.at(start).first);
+    knots = problem.trajectory.at(start).first;
   }
   solver_.marginalise(problem, ended, knots);
   if (!full) return;
@@ -190,6 +189,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
   before.swap(problem.landmarks);
   std::vector<Key> keys;
   keys.swap(next_.keys);
+  taking_part_.clear();
   std::size_t at = 0;
   for (const auto& [key, index] : chosen_) {
     const Landmark& landmark = input.landmarks[index];
@@ -214,6 +214,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
     toObservations(landmark, input.timing, problem.pairs, item);
     if (item.observations.size() < 2) continue;
     next_.keys.push_back(key);
+    taking_part_.push_back(index);
     problem.landmarks.push_back(item);
   }
 }
@@ -233,30 +234,27 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
   adjusted.shared = problem.shared;
   adjusted.shared_stddev =
       result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();
+  addDepths(adjusted);
   return adjusted;
 }
 
+/// Adds the inverse depths of the landmarks in front of their anchor's camera.
 void TrackWindow::addDepths(Adjusted& adjusted) const {
-  const WindowProblem& problem = next_.problem;
-  std::size_t at = 0;
-  for (const auto& [key, index] : chosen_) {
-    while (at < next_.keys.size() && next_.keys[at] < key)
-      ++at;
-    if (at == next_.keys.size() || next_.keys[at] != key) continue;
-    const WindowLandmark& landmark = problem.landmarks[at];
+  for (std::size_t i = 0; i < taking_part_.size(); ++i) {
+    const WindowLandmark& landmark = next_.problem.landmarks[i];
     const Eigen::Isometry3d& anchor = adjusted.pairs[landmark.observations.front().pair].T_world_camera;
     const Eigen::Isometry3d T_anchor_host = anchor.inverse() * landmark.T_world_host;
     const double depth =  // times the inverse depth
         T_anchor_host.linear().row(2).dot(Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0)) +
         landmark.place.z() * T_anchor_host.translation().z();
-    if (depth > kNearestRay) adjusted.inverse_depths.emplace_back(index, landmark.place.z() / depth);
+    if (depth > kNearestRay)
+      adjusted.inverse_depths.emplace_back(taking_part_[i], landmark.place.z() / depth);
   }
 }
 
 std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput& input) {
   next_ = state_;
-  const bool starts = !follows(input.window);
-  if (starts) restart(input, next_);
+  if (!follows(input.window)) restart(input, next_);
   choose(input);
   removeEnded(input);
   WindowProblem& problem = next_.problem;
@@ -286,8 +284,7 @@ std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput&
   };
   averaged(problem.jerk.translation, result.jerk.translation);
   averaged(problem.jerk.rotation, result.jerk.rotation);
-  Adjusted adjusted = concluded(result);
-  return adjusted;
+  return concluded(result);
 }
 
 void TrackWindow::accept() {

@@ -30,7 +30,7 @@ struct TrackWindowInput {
   const SharedPrior& shared;
   const StillRegions& still_regions;       ///< landmarks there are left out
   const std::vector<Landmark>& landmarks;  ///< with the newest pair's observations
-  const std::vector<WindowFrame>& window;  ///< the newest pair last, at its first guess
+  const std::vector<WindowFrame>& window;  ///< at least two; the newest pair last, at its first guess
   double correlated_pairs;                 ///< pairs over which the noise's scales are averaged
 };
 
@@ -80,6 +80,7 @@ class TrackWindow {
   State state_, next_;
   // Reused for their memory.
   std::vector<std::pair<Key, std::size_t>> chosen_;  ///< landmarks of the newest pair
+  std::vector<std::size_t> taking_part_;  ///< index into the input's landmarks of each of next_.problem's
   WindowSolver solver_;
 };
 

@@ -115,8 +115,9 @@ void Trajectory::removeOldest(int count) {
 
 Vector6d Trajectory::thirdDifferences(int first) const {
   Vector6d differences;
-  differences.head<3>() = knot(first + 3).translation() - knot(first).translation() +
-                          3.0 * (knot(first + 1).translation() - knot(first + 2).translation());
+  differences.setZero();
+  for (int i = 0; i < kSupport; ++i)
+    differences.head<3>() += kThirdDifference[i] * knot(first + i).translation();
   differences.tail<3>() = turnBetween(knot(first), knot(first + 1)) -
                           2.0 * turnBetween(knot(first + 1), knot(first + 2)) +
                           turnBetween(knot(first + 2), knot(first + 3));

@@ -53,9 +53,12 @@ class Trajectory {
   void extendTo(double time);
   void removeOldest(int count);
 
-  /// Third differences of four knots from `first` on: what a constant acceleration has none of. m and rad.
+  /// Factors of a third difference.
+  static constexpr std::array<double, kSupport> kThirdDifference{-1.0, 3.0, -3.0, 1.0};
+  /// Third differences of four knots from `first` on: those of a constant acceleration are zero. m and rad.
   Vector6d thirdDifferences(int first) const;
-  /// Their derivatives by the perturbations of those knots: of the positions the constants -1, 3, -3, 1.
+  /// Derivatives of those of the rotations by the perturbations of the knots; those of the positions are
+  /// kThirdDifference.
   std::array<Eigen::Matrix3d, kSupport> turnDifferencesByKnot(int first) const;
 
  private:

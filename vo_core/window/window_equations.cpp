@@ -17,10 +17,6 @@ constexpr double kLargestCommon = 0.9;                     // see WindowNoise::c
 constexpr double kLargestCommonSquare = 16.0;              // of residuals that it is estimated from
 constexpr int kBands = 11;  // of rows, between which the camera moves uniformly
 
-constexpr Eigen::Index columnOf(int knot) {
-  return kSharedStates + 6 * static_cast<Eigen::Index>(knot);
-}
-
 /// Adds the products of `by_state` (columns as ObservationState) with the derivatives of those states by the
 /// unknowns: a linear map of rows to rows.
 template <typename ByState, typename Result>
@@ -217,7 +213,7 @@ void WindowEquations::setLandmarks(const WindowProblem& problem, const std::vect
 }
 
 void WindowEquations::addJerk(const WindowProblem& problem, int end) {
-  constexpr std::array<double, Trajectory::kSupport> kFactors{-1.0, 3.0, -3.0, 1.0};
+  constexpr auto kFactors = Trajectory::kThirdDifference;
   const Trajectory& trajectory = problem.trajectory;
   const double cube = std::pow(trajectory.interval(), 3);
   const double by_translation = 1.0 / std::pow(problem.jerk.translation * cube, 2);

@@ -5,28 +5,11 @@
 
 namespace cartvo::vo {
 
-Eigen::Matrix<double, 2, kRigStates> correctionByRig(const StereoCamera& camera,
-                                                     const Eigen::Vector2d& pixel) {
-  Eigen::Matrix<double, 2, kRigStates> by_rig;
-  const auto column = [&](int state) { return by_rig.col(state - kPitch); };
-  const auto shift = [&](const RigCorrection& unit) -> Eigen::Vector2d {
-    return correctedRight(camera, unit, pixel) - pixel;
-  };
-  column(kPitch) = shift({.pitch = 1.0});
-  column(kYaw) = shift({.yaw = 1.0});
-  column(kRoll) = shift({.roll = 1.0});
-  column(kP2) = shift({.p2 = 1.0});
-  const double x = (pixel.x() - camera.cx) / camera.focal_length;
-  const double y = (pixel.y() - camera.cy) / camera.focal_length;
-  column(kSkew) = Eigen::Vector2d(0.0, camera.focal_length * x * y);
-  return by_rig;
-}
-
 void WindowPrior::extendTo(const Trajectory& trajectory) {
   const Eigen::Index before = information.rows();
   for (int i = static_cast<int>(first.size()); i < trajectory.size(); ++i)
     first.push_back(trajectory.knot(i));
-  const Eigen::Index unknowns = kSharedStates + 6 * static_cast<Eigen::Index>(first.size());
+  const Eigen::Index unknowns = columnOf(static_cast<int>(first.size()));
   if (unknowns == before) return;
   Eigen::MatrixXd grown = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd longer = Eigen::VectorXd::Zero(unknowns);
@@ -84,7 +67,7 @@ Eigen::VectorXd WindowPrior::changeTo(const SharedVector& shared, const Trajecto
     const Eigen::Isometry3d& knot = trajectory.knot(static_cast<int>(i));
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     turn.linear() = first[i].linear().transpose() * knot.linear();
-    const Eigen::Index at = kSharedStates + 6 * static_cast<Eigen::Index>(i);
+    const Eigen::Index at = columnOf(static_cast<int>(i));
     change.segment<3>(at) = knot.translation() - first[i].translation();
     change.segment<3>(at + 3) = vectorFromMotion(turn).tail<3>();
   }

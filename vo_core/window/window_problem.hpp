@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "vo_core/geometry/fixed_vector.hpp"
-#include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 #include "vo_core/stereo_camera.hpp"
@@ -35,10 +34,10 @@ using SharedVector = Eigen::Matrix<double, kSharedStates, 1>;
 /// Number of states of the right camera's geometry: those from kPitch on.
 constexpr int kRigStates = kSharedStates - kPitch;
 
-/// Derivative of the corrected right pixel (px) by the states from kPitch on; the correction is linear in
-/// them. `pixel`: px, as seen.
-Eigen::Matrix<double, 2, kRigStates> correctionByRig(const StereoCamera& camera,
-                                                     const Eigen::Vector2d& pixel);
+/// Index of a knot's first unknown; each knot has six, after the shared states.
+constexpr Eigen::Index columnOf(int knot) {
+  return kSharedStates + 6 * static_cast<Eigen::Index>(knot);
+}
 
 /// A pair of images of the window.
 struct WindowPair {

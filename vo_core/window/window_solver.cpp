@@ -10,10 +10,6 @@ namespace {
 
 using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-constexpr Eigen::Index columnOf(int knot) {
-  return kSharedStates + 6 * static_cast<Eigen::Index>(knot);
-}
-
 /// Derivatives of the position in the world's axes and of the rotation (on the right) by the unknowns.
 Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
   Rows rows = Rows::Zero(6, unknowns);
@@ -32,14 +28,12 @@ Matrix6d carried(const Rows& rows, const WindowResult& result) {
 /// Jerk of most likelihood (expectation maximisation) over the newest intervals.
 WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covariance) {
   constexpr int kNewest = 6;  // third differences
-  constexpr std::array<double, Trajectory::kSupport> kFactors{-1.0, 3.0, -3.0, 1.0};
   const Trajectory& trajectory = problem.trajectory;
   const double cube = std::pow(trajectory.interval(), 3);
   Eigen::Vector2d squares = Eigen::Vector2d::Zero();
   // Knots after the newest pair follow from the prior.
   int last = trajectory.size() - Trajectory::kSupport;
-  while (last > 0 &&
-         trajectory.timeOf(last + Trajectory::kSupport - 1) > problem.pairs[problem.pairs.size() - 1].time)
+  while (last > 0 && trajectory.timeOf(last + Trajectory::kSupport - 1) > problem.pairs.back().time)
     --last;
   const int from = std::max(0, last - kNewest + 1);
   for (int first = from; first <= last; ++first) {
@@ -48,7 +42,7 @@ WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covarianc
     Eigen::Matrix<double, 6, 6 * Trajectory::kSupport> rows =
         Eigen::Matrix<double, 6, 6 * Trajectory::kSupport>::Zero();
     for (int i = 0; i < Trajectory::kSupport; ++i) {
-      rows.block<3, 3>(0, 6 * i).diagonal().setConstant(kFactors[i]);
+      rows.block<3, 3>(0, 6 * i).diagonal().setConstant(Trajectory::kThirdDifference[i]);
       rows.block<3, 3>(3, 6 * i + 3) = by_knot[i];
     }
     const Matrix6d uncertain = rows *

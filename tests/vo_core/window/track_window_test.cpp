@@ -46,7 +46,9 @@ Eigen::Isometry3d truthAt(const Drive& drive, double t) {
 struct Errors {
   double motion = 0.0, turn = 0.0;  // m^2, rad^2
   double motion_nees = 0.0, twist_nees = 0.0;
-  double readout = 0.0, readout_stddev = 0.0, offset = 0.0;  // s, at the end
+  double readout = 0.0, readout_stddev = 0.0;  // s, at the end
+  double depth = 0.0;                          // 1/m, mean of the newest pair's landmarks
+  std::size_t depths = 0;                      // of so many
   int pairs = 0, failed = 0;
 };
 
@@ -75,6 +77,12 @@ class World {
     return landmarks;
   }
   const RowTiming& timing() const { return timing_; }
+
+  /// 1/m, true inverse depth of landmarks()[i] in its anchor's camera.
+  double inverseDepth(std::size_t i) const {
+    const double time = kPeriod * static_cast<double>(points_[i].landmark.anchor().frame);
+    return 1.0 / (truthAt(drive_, time).inverse() * points_[i].place).z();
+  }
 
  private:
   struct Point {
@@ -201,6 +209,11 @@ Errors drivenWith(const Drive& drive) {
         vectorFromMotion(before.inverse() * after).tail<3>() / (2 * kStep);
     const Vector6d twist_error = adjusted->twist.value - twist;
     if (pair < 10) continue;
+    errors.depths = adjusted->inverse_depths.size();
+    errors.depth = 0.0;
+    for (const auto& [index, inverse_depth] : adjusted->inverse_depths)
+      errors.depth +=
+          std::abs(inverse_depth - world.inverseDepth(index)) / static_cast<double>(errors.depths);
     ++errors.pairs;
     errors.motion += error.head<3>().squaredNorm();
     errors.turn += error.tail<3>().squaredNorm();
@@ -230,12 +243,15 @@ TEST(TrackWindow, IsNearTheBoundWithGlobalShutters) {
   const Errors errors = drivenWith({.readout = 0.0, .told = 0.0, .told_stddev = 0.0});
   expectConsistent(errors);
   EXPECT_LT(motionOf(errors), 0.25e-3);
+  EXPECT_GT(errors.depths, 400u);
+  EXPECT_LT(errors.depth, 1e-3);
 }
 
 TEST(TrackWindow, LosesNothingByAnUnknownReadout) {
   const Errors told = drivenWith({});
   const Errors untold = drivenWith({.told = 0.032, .told_stddev = 0.0048});
   expectConsistent(told);
+  EXPECT_LT(told.depth, 1e-3);
   expectConsistent(untold);
   EXPECT_LT(motionOf(told), 0.4e-3);
   EXPECT_LT(motionOf(untold), 1.05 * motionOf(told));

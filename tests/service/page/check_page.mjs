@@ -82,15 +82,22 @@ async function checkKeyboard(page) {
 
 /** Controls and pictures that have no name in Chromium's accessibility tree, hidden parts of the page included. */
 async function checkNames(page) {
-  const hidden = await page.evaluateHandle(() => [...document.querySelectorAll('[hidden]:not(input)')]);
-  await hidden.evaluate((elements) => elements.forEach((element) => { element.hidden = false; }));
+  // The page hides and shows parts with each update: until all are counted, an observer shows them again at once.
+  const shown = await page.evaluateHandle(() => {
+    const elements = new Set();
+    const show = () => document.querySelectorAll('[hidden]:not(input)').forEach((element) => { elements.add(element); element.hidden = false; });
+    const observer = new MutationObserver(show);
+    observer.observe(document.body, { attributes: true, attributeFilter: ['hidden'], childList: true, subtree: true });
+    show();
+    return { elements, observer };
+  });
   const session = await page.context().newCDPSession(page);
   const { nodes } = await session.send('Accessibility.getFullAXTree');
   const roles = ['button', 'textbox', 'radio', 'combobox', 'slider', 'image', 'img', 'link', 'table'];
   const named = nodes.filter((node) => !node.ignored && roles.includes(node.role.value));
-  await hidden.evaluate((elements) => elements.forEach((element) => { element.hidden = true; }));
   assert.deepEqual(named.filter((node) => !node.name?.value.trim()).map((node) => node.role.value), [], 'all controls and pictures have names');
   const count = await page.evaluate(() => document.querySelectorAll('button, input:not([hidden]), select, canvas[role=img], a, table').length);
+  await shown.evaluate(({ elements, observer }) => { observer.disconnect(); elements.forEach((element) => { element.hidden = true; }); });
   assert.equal(named.length, count, named.map((node) => `${node.role.value} ${node.name.value}`).join(', '));
   const mute = await page.evaluate(() => [...document.querySelectorAll('canvas, img')]
     .filter((element) => element.getAttribute('role') !== 'img' && !element.closest('[aria-hidden=true]')).map((element) => element.outerHTML));

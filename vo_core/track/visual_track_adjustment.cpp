@@ -225,7 +225,8 @@ RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const D
   if (!result.converged || !estimatesRig()) return rig;
   const double time_step = secondsBetween(window_.back(), draft.window.back());
   rig.predict(time_step);
-  rig.updateDisparities(bundle_, result, applied);
+  // The first guess of `estimator: window` leaves errors of rolling rows in the disparities.
+  if (!usesWindow()) rig.updateDisparities(bundle_, result, applied);
   rig.updateRows(row_regression_.measure(bundle_, rig.expectedRows(applied)));
   return rig;
 }

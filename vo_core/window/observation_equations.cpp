@@ -51,10 +51,15 @@ std::optional<Seen> see(const StereoCamera& camera, const Trajectory::Instant& i
   const Eigen::Vector3d bearing(landmark.place.x(), landmark.place.y(), 1.0);
   const Eigen::Matrix3d to_camera = instant.rotation.transpose();
   const Eigen::Matrix3d from_host = to_camera * landmark.T_world_host.linear();
-  const Eigen::Vector3d velocity = to_camera * instant.velocity;
-  const Eigen::Vector3d host = to_camera * (landmark.T_world_host.translation() - instant.position);
-  const Eigen::Vector3d at_instant = from_host * bearing + inverse_depth * (host - after * velocity);
-  const Eigen::Vector3d ray = at_instant - after * instant.rate.cross(at_instant);
+  const Eigen::Vector3d velocity = to_camera * (instant.velocity + after * instant.acceleration);
+  const Eigen::Vector3d moved =  // to the second order in `after`
+      after * (instant.velocity + 0.5 * after * instant.acceleration);
+  const Eigen::Vector3d rate = instant.rate + after * instant.angular_acceleration;
+  const Eigen::Vector3d turn = after * (instant.rate + 0.5 * after * instant.angular_acceleration);
+  const Eigen::Vector3d host = to_camera * (landmark.T_world_host.translation() - instant.position - moved);
+  const Eigen::Vector3d at_instant = from_host * bearing + inverse_depth * host;
+  const Eigen::Vector3d turned = turn.cross(at_instant);
+  const Eigen::Vector3d ray = at_instant - turned + 0.5 * turn.cross(turned);
   const Eigen::Vector3d seen = ray - inverse_depth * baseline * Eigen::Vector3d::UnitX();
   if (seen.z() < kNearestRay) return std::nullopt;
   const Vector23 by_ray = pixelByRay(camera, seen);
@@ -64,7 +69,7 @@ std::optional<Seen> see(const StereoCamera& camera, const Trajectory::Instant& i
   result.by_turn.noalias() = by_ray * skew(ray);
   result.by_place.leftCols<2>().noalias() = by_ray * from_host.leftCols<2>();
   result.by_place.col(2).noalias() = by_ray * (host - baseline * Eigen::Vector3d::UnitX());
-  result.by_time.noalias() = by_ray * (-inverse_depth * velocity - instant.rate.cross(ray));
+  result.by_time.noalias() = by_ray * (-inverse_depth * velocity - rate.cross(ray));
   return result;
 }
 

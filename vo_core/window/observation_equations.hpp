@@ -44,7 +44,7 @@ struct ObservationEquations {
   }
 };
 
-/// The equations of an observation whose rows are near the middle of `band`: the camera moves uniformly
+/// The equations of an observation whose rows are near the middle of `band`: the camera accelerates uniformly
 /// between them. `scale`: factor on the noise. Nothing if the landmark is not in front of both cameras.
 std::optional<ObservationEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
                                                 const WindowLandmark& landmark,

@@ -14,9 +14,9 @@ constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
 constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
 constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
-constexpr int kMostKnots = 64;
-constexpr int kMostKnotsOfStart = 40;
-constexpr double kKnotsOfPair = 2.0;     // a mount that shakes at 10 Hz needs them
+constexpr int kMostKnots = 96;
+constexpr int kMostKnotsOfStart = 60;
+constexpr double kKnotsOfPair = 3.0;     // a mount that shakes at 8 Hz needs them
 constexpr double kLongestReadout = 0.1;  // s
 constexpr int kPairsOfStart = 5;         // whose values are far from the solution
 constexpr std::array<double, 6> kStartScales{8.0, 4.0, 2.0, 1.0, 1.0, 1.0};

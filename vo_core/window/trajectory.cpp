@@ -31,15 +31,16 @@ Eigen::Matrix3d turnByNext(const Eigen::Vector3d& turn) {
 }
 
 struct Basis {
-  std::array<double, Trajectory::kSupport> value, derivative;  ///< derivatives in 1/s
+  std::array<double, Trajectory::kSupport> value, derivative, second;  ///< derivatives in 1/s and 1/s^2
 };
 
 Basis basisAt(double u, double interval) {
-  const double v = 1.0 - u, s = u * u;
+  const double v = 1.0 - u, s = u * u, square = interval * interval;
   return {{v * v * v / 6.0, (3.0 * s * u - 6.0 * s + 4.0) / 6.0,
            (-3.0 * s * u + 3.0 * s + 3.0 * u + 1.0) / 6.0, s * u / 6.0},
           {-v * v / 2.0 / interval, (9.0 * s - 12.0 * u) / 6.0 / interval,
-           (-9.0 * s + 6.0 * u + 3.0) / 6.0 / interval, s / 2.0 / interval}};
+           (-9.0 * s + 6.0 * u + 3.0) / 6.0 / interval, s / 2.0 / interval},
+          {v / square, (3.0 * u - 2.0) / square, (1.0 - 3.0 * u) / square, u / square}};
 }
 
 }  // namespace
@@ -63,27 +64,33 @@ Trajectory::Instant Trajectory::at(double time) const {
   at.velocity_by_knot = basis.derivative;
   at.position.setZero();
   at.velocity.setZero();
+  at.acceleration.setZero();
   for (int i = 0; i < kSupport; ++i) {
     at.position += basis.value[i] * knot(at.first + i).translation();
     at.velocity += basis.derivative[i] * knot(at.first + i).translation();
+    at.acceleration += basis.second[i] * knot(at.first + i).translation();
   }
   // R = R_0 exp(l_1 d_1) exp(l_2 d_2) exp(l_3 d_3), d_j from knot to knot, l_j sums of the basis.
   std::array<Eigen::Vector3d, kSupport> turns;
-  std::array<double, kSupport> sums{}, rates{};
+  std::array<double, kSupport> sums{}, rates{}, seconds{};
   Matrices later;  // transposed product of the rotations after the j-th
   later[3].setIdentity();
   for (int j = 3; j > 0; --j) {
     sums[j] = basis.value[j] + (j < 3 ? sums[j + 1] : 0.0);
     rates[j] = basis.derivative[j] + (j < 3 ? rates[j + 1] : 0.0);
+    seconds[j] = basis.second[j] + (j < 3 ? seconds[j + 1] : 0.0);
     turns[j] = turnBetween(knot(at.first + j - 1), knot(at.first + j));
     later[j - 1] = later[j] * rotationOf(sums[j] * turns[j]).transpose();
   }
   at.rotation = knot(at.first).linear() * later[0].transpose();
   at.rate.setZero();
+  at.angular_acceleration.setZero();
   at.turn_by_knot.fill(Eigen::Matrix3d::Zero());
   at.turn_by_knot[0] = later[0];
   for (int j = 1; j < kSupport; ++j) {
-    at.rate += rates[j] * (later[j] * turns[j]);
+    const Eigen::Vector3d axis = later[j] * turns[j];
+    at.rate += rates[j] * axis;
+    at.angular_acceleration += seconds[j] * axis + rates[j] * at.rate.cross(axis);
     const Eigen::Matrix3d by_turn = sums[j] * later[j] * rightJacobianOfRotation(sums[j] * turns[j]);
     at.turn_by_knot[j] += by_turn * turnByNext(turns[j]);
     at.turn_by_knot[j - 1] -= by_turn * turnByNext(-turns[j]);

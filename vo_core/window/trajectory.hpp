@@ -24,6 +24,8 @@ class Trajectory {
     Eigen::Vector3d position;                            ///< m, of T_world_camera
     Eigen::Vector3d velocity;                            ///< m/s, in the world's axes
     Eigen::Vector3d rate;                                ///< rad/s, in the camera's axes
+    Eigen::Vector3d acceleration;                        ///< m/s^2, in the world's axes
+    Eigen::Vector3d angular_acceleration;                ///< rad/s^2, derivative of `rate`
     std::array<double, kSupport> by_knot;                ///< of the position by those of the knots
     std::array<double, kSupport> velocity_by_knot;       ///< 1/s
     std::array<Eigen::Matrix3d, kSupport> turn_by_knot;  ///< of the rotation; perturbations on the right

@@ -15,7 +15,7 @@ constexpr double kLeastFreedom = 100.0;    // of residuals from which a scale is
 constexpr double kLeastScale = 0.01, kLargestScale = 1.0;  // px
 constexpr double kLargestCommon = 0.9;                     // see WindowNoise::common
 constexpr double kLargestCommonSquare = 16.0;              // of residuals that it is estimated from
-constexpr int kBands = 11;  // of rows, between which the camera moves uniformly
+constexpr int kBands = 41;  // of rows, between which the camera accelerates uniformly
 
 /// Adds the products of `by_state` (columns as ObservationState) with the derivatives of those states by the
 /// unknowns: a linear map of rows to rows.

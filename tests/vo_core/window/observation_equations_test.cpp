@@ -34,6 +34,9 @@ TEST(Trajectory, DerivativesAreThoseOfDifferences) {
       changeOf(trajectory.at(0.047 - kStep), trajectory.at(0.047 + kStep)) / (2.0 * kStep);
   EXPECT_LT((by_time.head<3>() - at.velocity).norm(), 1e-6);
   EXPECT_LT((by_time.tail<3>() - at.rate).norm(), 1e-6);
+  const Trajectory::Instant before = trajectory.at(0.047 - kStep), after = trajectory.at(0.047 + kStep);
+  EXPECT_LT(((after.velocity - before.velocity) / (2.0 * kStep) - at.acceleration).norm(), 1e-4);
+  EXPECT_LT(((after.rate - before.rate) / (2.0 * kStep) - at.angular_acceleration).norm(), 1e-4);
   for (int i = 0; i < Trajectory::kSupport; ++i) {
     for (int axis = 0; axis < 6; ++axis) {
       Trajectory more = trajectory, less = trajectory;
@@ -93,6 +96,20 @@ struct Sight {
     return equationsOf(problem, band, landmark, observation, 1.0)->residual;
   }
 };
+
+TEST(ObservationEquations, RowsAwayFromTheMiddleOfTheirBandMoveWithAcceleration) {
+  Sight sight;
+  const Trajectory trajectory = turningTrajectory();
+  for (const double share : {0.05, 0.15}) {
+    sight.observation.left_share = sight.observation.right_share = share;
+    Sight own = sight;
+    own.band.left_time = own.problem.leftTime(0, share);
+    own.band.right_time = own.problem.rightTime(0, share);
+    own.band.left = trajectory.at(own.band.left_time);
+    own.band.right = trajectory.at(own.band.right_time);
+    EXPECT_LT((sight.residual() - own.residual()).norm(), 1e-3) << "px";
+  }
+}
 
 template <typename Perturb>
 Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {

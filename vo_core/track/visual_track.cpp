@@ -159,6 +159,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const StageScope stage(observer, Stage::motion);
     if (!searchPose(pair, draft, motion)) return motion;
   }
+  if (usesWindow()) predictByWindow(pair, draft);
   const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
                                                             draft.window.back().T_world_camera);
   motion.evidence.stands = within_standstill;
@@ -333,7 +334,9 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
-  const Eigen::Isometry3d T_right_left = newestRightFromLeft(timedPoses(window), camera_.baseline);
+  const std::optional<RightExposure>& right = window.back().right;
+  const Eigen::Isometry3d T_right_left =
+      right ? right->T_left_right.inverse() : newestRightFromLeft(timedPoses(window), camera_.baseline);
   const NewestPair newest{tracker_, camera_, timing_, *pair.left, *pair.right, window};
   matchStereoRotated(newest, T_right_left, estimates_.rig, landmarks);
   if (estimatesRig() && reinitialiser.tryReinitialise(newest, T_right_left, landmarks, estimates_.rig)) {

@@ -195,8 +195,10 @@ class VisualTrack {
                                   const RigCorrection& applied);
 
   // visual_track_window.cpp
+  void predictByWindow(const PreparedPair& pair, Draft& draft);
   bool adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   SharedPrior sharedPrior(const PreparedPair& pair, const Draft& draft) const;
+  void setFrame(const TrackWindow::Pair& pair, WindowFrame& frame) const;
   void timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft);
 
   StereoCamera camera_;

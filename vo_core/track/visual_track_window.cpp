@@ -32,7 +32,30 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draf
   return prior;
 }
 
-/// Sets the readouts, the motions about exposures and the row shifts of the window by its trajectory.
+/// Sets the newest pair's pose, and where its right camera is, by its left positions: the right ones are
+/// searched there.
+void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
+  draft.estimates = estimates_;
+  const auto newest =
+      track_window_.predict({camera_, timing_, sharedPrior(pair, draft), estimates_.still_regions,
+                             draft.landmarks, draft.window, settings_.self_calibration.correlated_pairs});
+  if (!newest) return;
+  setFrame(*newest, draft.window.back());
+  if (timing_.isRolling()) correctNewestRows(draft, newest->T_world_camera);
+}
+
+/// Sets a pair's pose, and its motions about both exposures.
+void VisualTrack::setFrame(const TrackWindow::Pair& pair, WindowFrame& frame) const {
+  frame.T_world_camera = pair.T_world_camera;
+  frame.right = pair.right;
+  if (!timing_.mayRoll()) return;
+  frame.motion = pair.motion;
+  frame.rows.emplace();
+  frame.rows->expected_share.setZero();
+  frame.rows->by_rows = vectorOf(*frame.motion);
+}
+
+/// Sets the readouts and the row shifts of the window by its trajectory.
 void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft) {
   const auto estimate = [&](SharedState state) -> EstimateWithStddev {
     return {adjusted.shared[state], adjusted.shared_stddev[state]};
@@ -41,13 +64,6 @@ void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& dra
   draft.estimates.readouts.right.set(estimate(kRightReadout));
   timing_.setReadouts(draft.estimates.readouts.left.used(), draft.estimates.readouts.right.used());
   const std::size_t older = draft.window.size() - adjusted.pairs.size();
-  for (std::size_t i = older; i < draft.window.size(); ++i) {
-    WindowFrame& frame = draft.window[i];
-    frame.motion = adjusted.pairs[i - older].motion;
-    frame.rows.emplace();
-    frame.rows->expected_share.setZero();
-    frame.rows->by_rows = vectorOf(*frame.motion);
-  }
   draft.estimates.prediction_errors.update(draft.predictions, *draft.window.back().motion);
   correctRows(camera_, timing_, draft.window, older, settings_.tracking.predicted_inverse_depth,
               draft.landmarks);
@@ -62,7 +78,7 @@ bool VisualTrack::adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMo
   if (!adjusted) return false;
   const std::size_t older = draft.window.size() - adjusted->pairs.size();
   for (std::size_t i = 0; i < adjusted->pairs.size(); ++i) {
-    draft.window[older + i].T_world_camera = adjusted->pairs[i].T_world_camera;
+    setFrame(adjusted->pairs[i], draft.window[older + i]);
     draft.window[older + i].uncertainty.pose = adjusted->pairs[i].pose_covariance;
   }
   for (const auto& [index, inverse_depth] : adjusted->inverse_depths)

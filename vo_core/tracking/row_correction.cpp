@@ -32,6 +32,7 @@ RowCamera rowCameraOf(const ExposureMotion& motion, const Eigen::Isometry3d& T_w
 
 /// Motion of the right camera about its own exposure.
 ExposureMotion rightMotionOf(const WindowFrame& frame, double baseline, double range) {
+  if (frame.right) return frame.right->motion;
   return motionAbout(*frame.motion, frame.offset, leftFromRight(baseline), range);
 }
 
@@ -39,7 +40,8 @@ RowPair rowPairOf(const WindowFrame& frame, double baseline, double range,
                   const std::vector<WindowFrame>& window) {
   if (!frame.motion) return {};
   const Eigen::Isometry3d T_world_right =
-      frame.T_world_camera * frame.motion->at(frame.offset) * leftFromRight(baseline);
+      frame.T_world_camera * (frame.right ? frame.right->T_left_right
+                                          : frame.motion->at(frame.offset) * leftFromRight(baseline));
   return {true, rowCameraOf(*frame.motion, frame.T_world_camera, window),
           rowCameraOf(rightMotionOf(frame, baseline, range), T_world_right, window)};
 }

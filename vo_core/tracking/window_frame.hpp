@@ -12,6 +12,12 @@
 
 namespace cartvo::vo {
 
+/// The right camera at its own exposure.
+struct RightExposure {
+  Eigen::Isometry3d T_left_right;  ///< to the axes of the left camera at the left exposure
+  ExposureMotion motion;           ///< of the right camera, about its exposure
+};
+
 /// A pair in the window: the data that remain after its processing.
 struct WindowFrame {
   std::int64_t index = -1;
@@ -25,6 +31,7 @@ struct WindowFrame {
   /// Error of the pose relative to the first pair if all time offsets err by one stddev with the same sign.
   /// Not part of `uncertainty`.
   Vector6d offset_error = Vector6d::Zero();
+  std::optional<RightExposure> right;  ///< by the trajectory of `estimator: window`
   // With rolling shutters:
   std::optional<ExposureMotion> motion;  ///< about the left exposure
   RowInformation row_information;        ///< what the rows of its images tell of that motion

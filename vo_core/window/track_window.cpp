@@ -20,6 +20,7 @@ constexpr double kKnotsOfPair = 3.0;     // a mount that shakes at 8 Hz needs th
 constexpr double kLongestReadout = 0.1;  // s
 constexpr int kPairsOfStart = 5;         // whose values are far from the solution
 constexpr std::array<double, 6> kStartScales{8.0, 4.0, 2.0, 1.0, 1.0, 1.0};
+constexpr std::array<double, 2> kPredictionScales{3.0, 1.0};  // of left positions only
 constexpr std::array<double, 3> kScales{3.0, 1.0, 1.0};
 
 /// s, from the exposure of the left image to the earliest and the latest row of a pair.
@@ -219,14 +220,29 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
   }
 }
 
+/// A pair by the trajectory, but for its covariance.
+TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
+  const WindowProblem& problem = next_.problem;
+  const double range = std::max(1e-3, 0.5 * std::abs(problem.shared[kLeftReadout]));
+  const double right_time = pair.time + pair.offset + problem.shared[kOffset];
+  const Eigen::Isometry3d T_left_right = leftFromRight(problem.camera.baseline);
+  Pair result;
+  result.T_world_camera = problem.trajectory.at(pair.time).pose();
+  result.motion = motionAt(problem.trajectory, pair.time, range);
+  result.right.T_left_right =
+      result.T_world_camera.inverse() * problem.trajectory.at(right_time).pose() * T_left_right;
+  result.right.motion =
+      motionAbout(motionAt(problem.trajectory, right_time, range), 0.0, T_left_right, range);
+  return result;
+}
+
 TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
   const WindowProblem& problem = next_.problem;
   const std::size_t last = problem.pairs.size() - 1;
-  const double range = std::max(1e-3, 0.5 * std::abs(problem.shared[kLeftReadout]));
   Adjusted adjusted;
   for (const WindowPair& pair : problem.pairs) {
-    const WindowMotion pose = poseAt(problem, result, pair.time);
-    adjusted.pairs.push_back({pose.value, pose.covariance, motionAt(problem.trajectory, pair.time, range)});
+    adjusted.pairs.push_back(pairOf(pair));
+    adjusted.pairs.back().pose_covariance = poseAt(problem, result, pair.time).covariance;
   }
   adjusted.motion_covariance =
       motionBetween(problem, result, problem.pairs[last - 1].time, problem.pairs[last].time).covariance;
@@ -252,13 +268,18 @@ void TrackWindow::addDepths(Adjusted& adjusted) const {
   }
 }
 
-std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput& input) {
+/// Sets next_ to the window with its newest pair at its first guess, if that has not been done.
+void TrackWindow::prepare(const TrackWindowInput& input) {
+  choose(input);
+  const WindowFrame& newest = input.window.back();
+  WindowProblem& problem = next_.problem;
+  if (!problem.pairs.empty() && problem.pairs.back().index == newest.index) {
+    addLandmarks(input);
+    return;
+  }
   next_ = state_;
   if (!follows(input.window)) restart(input, next_);
-  choose(input);
   removeEnded(input);
-  WindowProblem& problem = next_.problem;
-  const WindowFrame& newest = input.window.back();
   const std::vector<double> times = timesOf(input.window, next_.epoch_ns);
   const double time = times.back();
   problem.pairs.push_back({newest.index, time, newest.offset});
@@ -267,8 +288,25 @@ std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput&
   for (int i = 0; i < problem.trajectory.size(); ++i)
     if (problem.trajectory.timeOf(i) > times[times.size() - 2])
       problem.trajectory.set(i, poseOf(input.window, times, problem.trajectory.timeOf(i)));
+  ++next_.young;
   addLandmarks(input);
-  const bool young = next_.young++ < kPairsOfStart;
+}
+
+std::optional<TrackWindow::Pair> TrackWindow::predict(const TrackWindowInput& input) {
+  prepare(input);
+  WindowProblem& problem = next_.problem;
+  const bool young = next_.young <= kPairsOfStart;
+  if (young ? !solver_.step(problem, kStartScales) : !solver_.step(problem, kPredictionScales)) {
+    problem.pairs.clear();
+    return std::nullopt;
+  }
+  return pairOf(problem.pairs.back());
+}
+
+std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput& input) {
+  prepare(input);
+  WindowProblem& problem = next_.problem;
+  const bool young = next_.young <= kPairsOfStart;
   const WindowResult result = young ? solver_.solve(problem, kStartScales) : solver_.solve(problem, kScales);
   if (!result.converged || problem.shared.head<kOffset + 1>().cwiseAbs().maxCoeff() > kLongestReadout)
     return std::nullopt;

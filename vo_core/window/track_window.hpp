@@ -39,13 +39,15 @@ struct TrackWindowInput {
 /// landmark ends with its anchor, and goes on as another one.
 class TrackWindow {
  public:
+  struct Pair {
+    Eigen::Isometry3d T_world_camera;
+    Matrix6d pose_covariance;  ///< relative to the track's first pair; perturbations on the right
+    ExposureMotion motion;     ///< about the left exposure
+    RightExposure right;
+  };
+  using Pairs = FixedVector<Pair, kMaximumWindowPairs>;  ///< those of the window, the newest last
   struct Adjusted {
-    struct Pair {
-      Eigen::Isometry3d T_world_camera;
-      Matrix6d pose_covariance;  ///< relative to the track's first pair; perturbations on the right
-      ExposureMotion motion;     ///< about the left exposure
-    };
-    FixedVector<Pair, kMaximumWindowPairs> pairs;  ///< those of the window, the newest last
+    Pairs pairs;
     Matrix6d motion_covariance;  ///< of the motion to the newest pair; perturbation on the right
     WindowTwist twist;           ///< at the newest exposure
     SharedVector shared, shared_stddev;
@@ -54,6 +56,9 @@ class TrackWindow {
     std::vector<std::pair<std::size_t, double>> inverse_depths;
   };
 
+  /// The newest pair, whose right positions are not known yet, by its left ones; without covariance. Nothing
+  /// if the geometry is degenerate. adjust() with the same pair goes on from there.
+  std::optional<Pair> predict(const TrackWindowInput& input);
   /// Adjusts the window with its newest pair; nothing if the geometry is degenerate. accept() keeps the
   /// result; without it, the pair is forgotten.
   std::optional<Adjusted> adjust(const TrackWindowInput& input);
@@ -69,6 +74,8 @@ class TrackWindow {
     int young = 0;              ///< pairs since the start
   };
 
+  void prepare(const TrackWindowInput& input);
+  Pair pairOf(const WindowPair& pair) const;
   bool follows(const std::vector<WindowFrame>& window) const;
   static void restart(const TrackWindowInput& input, State& state);
   void choose(const TrackWindowInput& input);

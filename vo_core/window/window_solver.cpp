@@ -1,7 +1,6 @@
 // Gauss-Newton on a window.
 #include "vo_core/window/window_solver.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -64,27 +63,31 @@ WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covarianc
 
 }  // namespace
 
-WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double> scales) {
-  WindowResult result;
-  result.noise = problem.noise;
+bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales) {
   problem.prior.extendTo(problem.trajectory);
-  Eigen::LDLT<Eigen::MatrixXd> factor;
   for (std::size_t iteration = 0; iteration < scales.size(); ++iteration) {
     equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,
                             scales[iteration]);
     equations_.addJerk(problem, problem.trajectory.size());
     equations_.addPrior(problem);
-    factor.compute(equations_.information());
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return result;
-    const Eigen::VectorXd step = factor.solve(equations_.gradient());
-    if (!step.allFinite()) return result;
+    factor_.compute(equations_.information());
+    if (factor_.info() != Eigen::Success || !(factor_.vectorD().minCoeff() > 0.0)) return false;
+    const Eigen::VectorXd step = factor_.solve(equations_.gradient());
+    if (!step.allFinite()) return false;
     equations_.moveLandmarks(step, problem.landmarks);
     problem.shared += step.head<kSharedStates>();
     for (int i = 0; i < problem.trajectory.size(); ++i)
       problem.trajectory.move(i, step.segment<6>(columnOf(i)));
   }
+  return true;
+}
+
+WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double> scales) {
+  WindowResult result;
+  result.noise = problem.noise;
+  if (!step(problem, scales)) return result;
   const Eigen::Index unknowns = equations_.information().rows();
-  result.covariance = factor.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+  result.covariance = factor_.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
   result.noise = equations_.noiseSums().concluded(problem.noise);
   result.jerk = jerkOf(problem, result.covariance);
   result.converged = result.covariance.allFinite();

@@ -22,6 +22,9 @@ struct WindowResult {
 class WindowSolver {
  public:
   /// One step for each of `scales`: factors on the noise, larger ones where the first values are far off.
+  /// False if the geometry is degenerate.
+  bool step(WindowProblem& problem, std::span<const double> scales);
+  /// Such steps, with what follows from the last one's equations.
   WindowResult solve(WindowProblem& problem, std::span<const double> scales);
 
   /// Moves the information of landmarks that are no longer seen, and the oldest `knots` of the trajectory,
@@ -30,6 +33,7 @@ class WindowSolver {
 
  private:
   WindowEquations equations_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
 /// Ties the prior to a pose (m and rad; position in the world's axes, rotation on the right) of the

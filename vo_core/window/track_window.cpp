@@ -10,6 +10,8 @@
 namespace cartvo::vo {
 namespace {
 
+constexpr double kLeastJerk = 1.0;  // m/s^3 and rad/s^3
+constexpr double kJerkFreedom = 6.0;  // of the first values
 constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
 constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
@@ -107,10 +109,17 @@ bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
 void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   const WindowNoises noise = state.problem.noise;
   const WindowJerk jerk = state.problem.jerk;
+  const WindowJerkSums jerk_sums = state.jerk_sums;
   state = {};
   WindowProblem& problem = state.problem;
   problem.noise = noise;
   problem.jerk = jerk;
+  state.jerk_sums = jerk_sums;
+  if (!(jerk_sums.freedom[0] > 0.0)) {
+    state.jerk_sums.freedom.setConstant(kJerkFreedom);
+    state.jerk_sums.squares << jerk.translation * jerk.translation, jerk.rotation * jerk.rotation;
+    state.jerk_sums.squares *= kJerkFreedom;
+  }
   problem.camera = input.camera;
   state.epoch_ns = input.window.front().exposure_ns;
   const std::vector<double> times = timesOf(input.window, state.epoch_ns);
@@ -317,11 +326,15 @@ std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput&
     noise.right += share * (result.noise[level].right - noise.right);
     noise.common += share * (result.noise[level].common - noise.common);
   }
-  const auto averaged = [&](double& jerk, double found) {
-    jerk = std::sqrt(jerk * jerk + share * (found * found - jerk * jerk));
+  WindowJerkSums& sums = next_.jerk_sums;
+  const auto mean_of = [&](int part, double& jerk) {
+    const double kept = 1.0 - share;
+    sums.squares[part] = kept * sums.squares[part] + result.jerk.squares[part] * jerk * jerk;
+    sums.freedom[part] = kept * sums.freedom[part] + result.jerk.freedom[part];
+    jerk = std::max(kLeastJerk, std::sqrt(sums.squares[part] / sums.freedom[part]));
   };
-  averaged(problem.jerk.translation, result.jerk.translation);
-  averaged(problem.jerk.rotation, result.jerk.rotation);
+  mean_of(0, problem.jerk.translation);
+  mean_of(1, problem.jerk.rotation);
   return concluded(result);
 }
 

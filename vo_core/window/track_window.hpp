@@ -72,6 +72,7 @@ class TrackWindow {
     std::vector<Key> keys;      ///< of problem.landmarks, ascending
     std::int64_t epoch_ns = 0;  ///< exposure that the problem's times count from
     int young = 0;              ///< pairs since the start
+    WindowJerkSums jerk_sums;   ///< squares in (m/s^3)^2 and (rad/s^3)^2, of the last pairs
   };
 
   void prepare(const TrackWindowInput& input);

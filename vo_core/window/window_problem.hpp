@@ -80,6 +80,12 @@ struct WindowJerk {
   double translation = 66.0, rotation = 90.0;
 };
 
+/// Squares of weighted jerks over their rms (translation, rotation) and how many of them measurements tell:
+/// those that follow from the prior alone do not count (D. MacKay, "Bayesian interpolation", 1992).
+struct WindowJerkSums {
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero(), freedom = Eigen::Vector2d::Zero();
+};
+
 /// Weight of a jerk in the normal equations: a kerb is more than a normal distribution allows. `square`: of
 /// its three components over their variance. At most 1, as jerks that nothing measures are zero.
 inline double jerkWeight(double square) {

@@ -24,12 +24,12 @@ Matrix6d carried(const Rows& rows, const WindowResult& result) {
   return rows * result.covariance * rows.transpose();
 }
 
-/// Jerk of most likelihood (expectation maximisation) over the newest intervals.
-WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covariance) {
+WindowJerkSums jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covariance) {
   constexpr int kNewest = 6;  // third differences
   const Trajectory& trajectory = problem.trajectory;
   const double cube = std::pow(trajectory.interval(), 3);
-  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  const Eigen::Vector2d scales = Eigen::Vector2d(problem.jerk.translation, problem.jerk.rotation) * cube;
+  WindowJerkSums sums;
   // Knots after the newest pair follow from the prior.
   int last = trajectory.size() - Trajectory::kSupport;
   while (last > 0 && trajectory.timeOf(last + Trajectory::kSupport - 1) > problem.pairs.back().time)
@@ -48,17 +48,16 @@ WindowJerk jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covarianc
                                covariance.block<6 * Trajectory::kSupport, 6 * Trajectory::kSupport>(
                                    columnOf(first), columnOf(first)) *
                                rows.transpose();
-    const auto add = [&](double square, double variance, double jerk, double& sum) {
-      sum += jerkWeight(square / std::pow(jerk * cube, 2)) * square + variance;
-    };
-    add(differences.head<3>().squaredNorm(), uncertain.topLeftCorner<3, 3>().trace(),
-        problem.jerk.translation, squares[0]);
-    add(differences.tail<3>().squaredNorm(), uncertain.bottomRightCorner<3, 3>().trace(),
-        problem.jerk.rotation, squares[1]);
+    for (int part = 0; part < 2; ++part) {
+      const double variance = scales[part] * scales[part];
+      const double square = differences.segment<3>(3 * part).squaredNorm() / variance;
+      const double weight = jerkWeight(square);
+      sums.squares[part] += weight * square;
+      const double unknown = uncertain.diagonal().segment<3>(3 * part).sum() / variance;
+      sums.freedom[part] += std::max(0.0, 3.0 - weight * unknown);
+    }
   }
-  const Eigen::Vector2d rms = (squares / (3.0 * (last - from + 1))).cwiseSqrt() / cube;
-  constexpr double kLeastJerk = 1.0;  // m/s^3 and rad/s^3
-  return {std::max(rms[0], kLeastJerk), std::max(rms[1], kLeastJerk)};
+  return sums;
 }
 
 }  // namespace

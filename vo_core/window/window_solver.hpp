@@ -15,7 +15,7 @@ struct WindowResult {
   bool converged = false;
   Eigen::MatrixXd covariance;  ///< of the unknowns, in the order of WindowPrior
   WindowNoises noise;          ///< of most likelihood given the last residuals
-  WindowJerk jerk;             ///< of most likelihood given the newest intervals
+  WindowJerkSums jerk;         ///< of the newest intervals, over the problem's rms
 };
 
 /// Gauss-Newton with Student-t weights on all unknowns of a window with its prior.

@@ -159,7 +159,6 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const StageScope stage(observer, Stage::motion);
     if (!searchPose(pair, draft, motion)) return motion;
   }
-  if (usesWindow()) predictByWindow(pair, draft);
   const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
                                                             draft.window.back().T_world_camera);
   motion.evidence.stands = within_standstill;
@@ -173,6 +172,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const bool enough_landmarks = motion.counts.matched >= kMajority * landmarks_when_stopped_;
     if (still_stands && enough_landmarks) return motion;
   }
+  if (usesWindow() && !still_stands) predictByWindow(pair, draft);
   // The pair is added if its motion is valid. In a standstill, too many landmarks of its start are lost.
   replenishLandmarks(pair, draft, motion, observer);
   const StageScope stage(observer, Stage::weights);

@@ -195,6 +195,7 @@ class VisualTrack {
                                   const RigCorrection& applied);
 
   // visual_track_window.cpp
+  TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared, const Draft& draft) const;
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   bool adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   SharedPrior sharedPrior(const PreparedPair& pair, const Draft& draft) const;

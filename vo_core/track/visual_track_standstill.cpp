@@ -16,6 +16,8 @@ void VisualTrack::applyZeroVelocity(const PreparedPair& pair, TrackedMotion& mot
   motion.error = {};
   motion.error.by_standstill = standstill_.motionCovariance();
   last_exposure_ns_ = pair.left_exposure_ns;
+  // The last pair of the window was taken at this pose, too: the trajectory goes on from here.
+  if (usesWindow()) window_.back().exposure_ns = pair.left_exposure_ns;
 }
 
 /// Adds a pair of a standstill at the kept pose, with its new landmarks.

@@ -32,13 +32,26 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draf
   return prior;
 }
 
+/// Keeps references to `shared` and to the draft.
+TrackWindowInput VisualTrack::windowInput(const PreparedPair& pair, const SharedPrior& shared,
+                                          const Draft& draft) const {
+  std::optional<Vector6d> rest;
+  if (standing_) rest = standstill_.covariance().diagonal().cwiseSqrt() / secondsSinceLast(pair);
+  return {camera_,
+          timing_,
+          shared,
+          draft.estimates.still_regions,
+          draft.landmarks,
+          draft.window,
+          rest,
+          settings_.self_calibration.correlated_pairs};
+}
+
 /// Sets the newest pair's pose, and where its right camera is, by its left positions: the right ones are
 /// searched there.
 void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
   draft.estimates = estimates_;
-  const auto newest =
-      track_window_.predict({camera_, timing_, sharedPrior(pair, draft), estimates_.still_regions,
-                             draft.landmarks, draft.window, settings_.self_calibration.correlated_pairs});
+  const auto newest = track_window_.predict(windowInput(pair, sharedPrior(pair, draft), draft));
   if (!newest) return;
   setFrame(*newest, draft.window.back());
   if (timing_.isRolling()) correctNewestRows(draft, newest->T_world_camera);
@@ -72,9 +85,7 @@ void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& dra
 /// Replaces the adjusted poses, depths and covariances by those of the window of `estimator: window`. False
 /// if its geometry is degenerate.
 bool VisualTrack::adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  const auto adjusted =
-      track_window_.adjust({camera_, timing_, sharedPrior(pair, draft), draft.estimates.still_regions,
-                            draft.landmarks, draft.window, settings_.self_calibration.correlated_pairs});
+  const auto adjusted = track_window_.adjust(windowInput(pair, sharedPrior(pair, draft), draft));
   if (!adjusted) return false;
   const std::size_t older = draft.window.size() - adjusted->pairs.size();
   for (std::size_t i = 0; i < adjusted->pairs.size(); ++i) {

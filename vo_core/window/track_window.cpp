@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "vo_core/geometry/reprojection.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 constexpr double kLeastJerk = 1.0;  // m/s^3 and rad/s^3
 constexpr double kJerkFreedom = 6.0;  // of the first values
 constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
+constexpr double kSpeed = 15.0;        // m/s and rad/s, stddev at a track's start
 constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
 constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
@@ -56,8 +58,15 @@ void toObservations(const Landmark& landmark, const RowTiming& timing,
   }
 }
 
+/// The pair with this index, or nullptr.
+const WindowPair* findPair(const WindowProblem& problem, std::int64_t index) {
+  const auto* const found = std::find_if(problem.pairs.begin(), problem.pairs.end(),
+                                         [&](const WindowPair& pair) { return pair.index == index; });
+  return found == problem.pairs.end() ? nullptr : found;
+}
+
 /// s, of the left exposures.
-std::vector<double> timesOf(const std::vector<WindowFrame>& window, std::int64_t epoch_ns) {
+std::vector<double> timesOf(std::span<const WindowFrame> window, std::int64_t epoch_ns) {
   std::vector<double> times;
   for (const WindowFrame& frame : window)
     times.push_back(1e-9 * static_cast<double>(frame.exposure_ns - epoch_ns));
@@ -65,7 +74,7 @@ std::vector<double> timesOf(const std::vector<WindowFrame>& window, std::int64_t
 }
 
 /// Pose at a time (s) by those of a window: between pairs by their motion, beyond them at constant velocity.
-Eigen::Isometry3d poseOf(const std::vector<WindowFrame>& window, const std::vector<double>& times,
+Eigen::Isometry3d poseOf(std::span<const WindowFrame> window, const std::vector<double>& times,
                          double time) {
   const auto after = std::upper_bound(times.begin() + 1, times.end() - 1, time);
   const auto i = static_cast<std::size_t>(after - times.begin());
@@ -91,21 +100,22 @@ ExposureMotion motionAt(const Trajectory& trajectory, double time, double range)
 
 }  // namespace
 
-/// Whether `window` is this one and a new pair, which the trajectory can reach with a bounded number of
+/// Whether `window` ends with this one and a new pair, which the trajectory can reach with a bounded number of
 /// knots.
 bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
   const auto& pairs = state_.problem.pairs;
   const Trajectory& trajectory = state_.problem.trajectory;
-  if (pairs.empty() || pairs.size() + 1 != window.size()) return false;
+  if (pairs.empty() || pairs.size() + 1 > window.size()) return false;
   const double time = 1e-9 * static_cast<double>(window.back().exposure_ns - state_.epoch_ns);
   const double end = time + reachOf(state_.problem.shared, window.back().offset).after;
   return trajectory.size() + (end - trajectory.end()) / trajectory.interval() < kMostKnots &&
          std::equal(
-             pairs.begin(), pairs.end(), window.begin(),
+             pairs.begin(), pairs.end(), window.end() - 1 - static_cast<std::ptrdiff_t>(pairs.size()),
              [](const WindowPair& pair, const WindowFrame& frame) { return pair.index == frame.index; });
 }
 
 /// A window of all pairs but the newest, whose oldest pose has the covariance that it was published with.
+/// After a standstill, of its last pair.
 void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   const WindowNoises noise = state.problem.noise;
   const WindowJerk jerk = state.problem.jerk;
@@ -121,29 +131,30 @@ void TrackWindow::restart(const TrackWindowInput& input, State& state) {
     state.jerk_sums.squares *= kJerkFreedom;
   }
   problem.camera = input.camera;
-  state.epoch_ns = input.window.front().exposure_ns;
-  const std::vector<double> times = timesOf(input.window, state.epoch_ns);
-  for (std::size_t i = 0; i + 1 < input.window.size(); ++i)
-    problem.pairs.push_back({input.window[i].index, times[i], input.window[i].offset});
+  const std::span<const WindowFrame> all(input.window), window = input.rest ? all.last(2) : all;
+  state.epoch_ns = window.front().exposure_ns;
+  const std::vector<double> times = timesOf(window, state.epoch_ns);
+  for (std::size_t i = 0; i + 1 < window.size(); ++i)
+    problem.pairs.push_back({window[i].index, times[i], window[i].offset});
   problem.shared = problem.prior.first_shared = input.shared.mean;
   problem.prior.information.diagonal() =
       input.shared.stddev.cwiseMax(kLeastStddev).cwiseAbs2().cwiseInverse();
 
-  const WindowFrame& first = input.window.front();
+  const WindowFrame& first = window.front();
   const double start = -reachOf(problem.shared, first.offset).before;
-  const double end = times.back() + reachOf(problem.shared, input.window.back().offset).after;
+  const double end = times.back() + reachOf(problem.shared, window.back().offset).after;
   const double interval = std::max(times.back() / static_cast<double>(times.size() - 1) / kKnotsOfPair,
                                    (end - start) / kMostKnotsOfStart);
   problem.trajectory = Trajectory(start, interval, first.T_world_camera);
   problem.trajectory.extendTo(end);
   for (int i = 0; i < problem.trajectory.size(); ++i)
-    problem.trajectory.set(i, poseOf(input.window, times, problem.trajectory.timeOf(i)));
+    problem.trajectory.set(i, poseOf(window, times, problem.trajectory.timeOf(i)));
   Matrix6d gauge = first.uncertainty.pose;
   const Eigen::Matrix3d& rotation = first.T_world_camera.linear();
   gauge.topRows<3>() = rotation * gauge.topRows<3>();
   gauge.leftCols<3>() = gauge.leftCols<3>() * rotation.transpose();
   gauge.diagonal().array() += kGaugeStddev * kGaugeStddev;
-  tieToStart(0.0, first.T_world_camera, gauge, problem);
+  tieToStart(0.0, first.T_world_camera, gauge, input.rest.value_or(Vector6d::Constant(kSpeed)), problem);
 }
 
 /// Lists the landmarks of the newest pair that take part, by key.
@@ -210,14 +221,19 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
     if (at < keys.size() && keys[at] == key) {
       item = before[at];
     } else {
-      const auto* const host = std::find_if(problem.pairs.begin(), problem.pairs.end(),
-                                            [&](const WindowPair& pair) { return pair.index == anchor; });
-      if (host == problem.pairs.end()) continue;
       const Eigen::Vector2d& pixel = landmark.anchor().left;
-      const double time =
-          problem.leftTime(static_cast<int>(host - problem.pairs.begin()), input.timing.leftShare(pixel));
-      item.T_world_host = problem.trajectory.at(time).pose();
-      const Eigen::Vector3d bearing = bearingOf(input.camera, pixel);
+      const WindowPair* const host = findPair(problem, anchor);
+      if (host != nullptr) {
+        const double time =
+            problem.leftTime(static_cast<int>(host - problem.pairs.begin()), input.timing.leftShare(pixel));
+        item.T_world_host = problem.trajectory.at(time).pose();
+      } else {
+        const WindowFrame* const frame = findFrame(input.window, anchor);
+        if (frame == nullptr) continue;
+        item.T_world_host = frame->T_world_camera;
+      }
+      const Eigen::Vector3d bearing = bearingOf(
+          input.camera, host != nullptr ? pixel : landmark.anchor().leftAtExposure());
       item.place << bearing.x(), bearing.y(), landmark.inverse_depth;
       item.level = landmark.level;
     }
@@ -267,8 +283,11 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
 void TrackWindow::addDepths(Adjusted& adjusted) const {
   for (std::size_t i = 0; i < taking_part_.size(); ++i) {
     const WindowLandmark& landmark = next_.problem.landmarks[i];
-    const Eigen::Isometry3d& anchor = adjusted.pairs[landmark.observations.front().pair].T_world_camera;
-    const Eigen::Isometry3d T_anchor_host = anchor.inverse() * landmark.T_world_host;
+    Eigen::Isometry3d T_anchor_host = Eigen::Isometry3d::Identity();  // of an anchor before a standstill
+    if (const auto* const pair = findPair(next_.problem, std::get<0>(next_.keys[i]))) {
+      const auto& anchor = adjusted.pairs[static_cast<std::size_t>(pair - next_.problem.pairs.begin())];
+      T_anchor_host = anchor.T_world_camera.inverse() * landmark.T_world_host;
+    }
     const double depth =  // times the inverse depth
         T_anchor_host.linear().row(2).dot(Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0)) +
         landmark.place.z() * T_anchor_host.translation().z();
@@ -287,7 +306,7 @@ void TrackWindow::prepare(const TrackWindowInput& input) {
     return;
   }
   next_ = state_;
-  if (!follows(input.window)) restart(input, next_);
+  if (input.rest || !follows(input.window)) restart(input, next_);
   removeEnded(input);
   const std::vector<double> times = timesOf(input.window, next_.epoch_ns);
   const double time = times.back();

@@ -31,7 +31,9 @@ struct TrackWindowInput {
   const StillRegions& still_regions;       ///< landmarks there are left out
   const std::vector<Landmark>& landmarks;  ///< with the newest pair's observations
   const std::vector<WindowFrame>& window;  ///< at least two; the newest pair last, at its first guess
-  double correlated_pairs;                 ///< pairs over which the noise's scales are averaged
+  /// Stddev of the velocity (m/s, rad/s) at the pair before the newest, if the cart stood until then.
+  std::optional<Vector6d> rest;
+  double correlated_pairs;  ///< pairs over which the noise's scales are averaged
 };
 
 /// Trajectory of a window of a track, all of it free, with the information of what has left it. An anchor's

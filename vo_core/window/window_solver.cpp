@@ -107,8 +107,8 @@ void WindowSolver::marginalise(WindowProblem& problem, const std::vector<WindowL
 }
 
 void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& covariance,
-                WindowProblem& problem) {
-  constexpr double kSpeed = 15.0, kAcceleration = 30.0;  // stddev; m/s and m/s^2, rad/s and rad/s^2
+                const Vector6d& velocity_stddev, WindowProblem& problem) {
+  constexpr double kAcceleration = 30.0;  // stddev; m/s^2 and rad/s^2
   const Trajectory& trajectory = problem.trajectory;
   WindowPrior& prior = problem.prior;
   prior.extendTo(trajectory);
@@ -120,7 +120,7 @@ void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& cova
   error.tail<3>() = vectorFromMotion(instant.pose().inverse() * pose).tail<3>();
   prior.information += rows.transpose() * information * rows;
   prior.vector += rows.transpose() * information * error;
-  const auto add = [&](const std::array<double, 3>& factors, double stddev) {
+  const auto add = [&](const std::array<double, 3>& factors, const Vector6d& stddev) {
     Rows differences = Rows::Zero(6, prior.information.rows());
     Vector6d value = Vector6d::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -130,12 +130,13 @@ void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& cova
           vectorFromMotion(trajectory.knot(0).inverse() * trajectory.knot(i)).tail<3>();
       value += factors[i] * knot;
     }
-    prior.information += differences.transpose() * differences / (stddev * stddev);
-    prior.vector -= differences.transpose() * value / (stddev * stddev);
+    const Vector6d weights = stddev.cwiseAbs2().cwiseInverse();
+    prior.information += differences.transpose() * weights.asDiagonal() * differences;
+    prior.vector -= differences.transpose() * weights.cwiseProduct(value);
   };
   const double interval = trajectory.interval();
-  add({-1.0, 1.0, 0.0}, kSpeed * interval);
-  add({1.0, -2.0, 1.0}, kAcceleration * interval * interval);
+  add({-1.0, 1.0, 0.0}, interval * velocity_stddev);
+  add({1.0, -2.0, 1.0}, Vector6d::Constant(kAcceleration * interval * interval));
 }
 
 WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, double time) {

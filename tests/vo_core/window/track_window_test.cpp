@@ -191,8 +191,8 @@ Errors drivenWith(const Drive& drive) {
     for (Landmark& landmark : without_right)
       landmark.observations.back().stereo = false;
     const auto predicted =
-        window.predict({kCamera, world.timing(), prior, still, without_right, frames, 10.0});
-    const auto adjusted = window.adjust({kCamera, world.timing(), prior, still, landmarks, frames, 10.0});
+        window.predict({kCamera, world.timing(), prior, still, without_right, frames, {}, 10.0});
+    const auto adjusted = window.adjust({kCamera, world.timing(), prior, still, landmarks, frames, {}, 10.0});
     if (!predicted || !adjusted) {
       ++errors.failed;
       continue;
@@ -305,7 +305,7 @@ TEST(TrackWindow, StatesNothingWithoutLandmarks) {
   frames[1].index = 1;
   frames[1].exposure_ns = std::llround(1e9 * kPeriod);
   TrackWindow window;
-  const auto adjusted = window.adjust({kCamera, world.timing(), prior, still, {}, frames, 10.0});
+  const auto adjusted = window.adjust({kCamera, world.timing(), prior, still, {}, frames, {}, 10.0});
   // By the prior alone: the cart may have moved by its speed.
   EXPECT_TRUE(!adjusted || adjusted->motion_covariance(2, 2) > 0.1);
 }

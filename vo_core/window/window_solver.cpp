@@ -68,14 +68,15 @@ WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double>
   WindowResult result;
   result.noise = problem.noise;
   problem.prior.extendTo(problem.trajectory);
-  Eigen::LDLT<Eigen::MatrixXd> factor;
+  WindowNoiseSums noise_sums;
+  Eigen::LLT<Eigen::MatrixXd> factor;
   for (std::size_t iteration = 0; iteration < scales.size(); ++iteration) {
     equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,
-                            scales[iteration]);
+                            scales[iteration], iteration + 1 == scales.size() ? &noise_sums : nullptr);
     equations_.addJerk(problem, problem.trajectory.size());
     equations_.addPrior(problem);
     factor.compute(equations_.information());
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return result;
+    if (factor.info() != Eigen::Success) return result;
     const Eigen::VectorXd step = factor.solve(equations_.gradient());
     if (!step.allFinite()) return result;
     equations_.moveLandmarks(step, problem.landmarks);
@@ -83,9 +84,8 @@ WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double>
     for (int i = 0; i < problem.trajectory.size(); ++i)
       problem.trajectory.move(i, step.segment<6>(columnOf(i)));
   }
-  const Eigen::Index unknowns = equations_.information().rows();
-  result.covariance = factor.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
-  result.noise = equations_.noiseSums().concluded(problem.noise);
+  result.covariance = equations_.covarianceBy(factor.matrixLLT());
+  result.noise = noise_sums.concluded(problem.noise);
   result.jerk = jerkOf(problem, result.covariance);
   result.converged = result.covariance.allFinite();
   return result;

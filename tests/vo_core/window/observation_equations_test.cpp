@@ -64,6 +64,16 @@ TEST(Trajectory, ThirdDifferencesDeriveByKnots) {
   }
 }
 
+TEST(Trajectory, KeepsItsCurveAsOldKnotsGo) {
+  Trajectory trajectory = turningTrajectory();
+  const Trajectory::Instant before = trajectory.at(0.1);
+  trajectory.removeOldest(1);
+  const Trajectory::Instant after = trajectory.at(0.1);
+  EXPECT_LT(changeOf(before, after).norm(), 1e-12);
+  EXPECT_LT((before.rate - after.rate).norm(), 1e-9);
+  EXPECT_LT((before.turn_by_knot[2] - after.turn_by_knot[2]).norm(), 1e-9);
+}
+
 /// A landmark seen by both cameras of a pair, 10 ms apart.
 struct Sight {
   WindowProblem problem;
@@ -89,9 +99,12 @@ struct Sight {
     observation.right = {380.0, 150.0};
     observation.left_share = observation.right_share = 0.1;
   }
-  Eigen::Vector4d residual() const {
-    return equationsOf(problem, band, landmark, observation, 1.0)->residual;
+  ObservationEquations equations() const {
+    ObservationEquations result;
+    EXPECT_TRUE(setEquations(problem, band, landmark, observation, 1.0, result));
+    return result;
   }
+  Eigen::Vector4d residual() const { return equations().residual(); }
 };
 
 template <typename Perturb>
@@ -104,11 +117,10 @@ Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {
 
 TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
   const Sight sight;
-  const auto equations = equationsOf(sight.problem, sight.band, sight.landmark, sight.observation, 1.0);
-  ASSERT_TRUE(equations);
+  const ObservationEquations equations = sight.equations();
   const auto expect = [&](int state, const auto& perturb) {
     const Eigen::Vector4d numeric = differenceBy(sight, perturb);
-    EXPECT_LT((numeric - equations->by_state.col(state)).norm(), 1e-2) << state;
+    EXPECT_LT((numeric - equations.by_state.col(state)).norm(), 1e-2) << state;
   };
   expect(kRowLeftReadout, [](Sight& s, double step) { s.problem.shared[kLeftReadout] += step; });
   expect(kRowRightReadout, [](Sight& s, double step) { s.problem.shared[kRightReadout] += step; });
@@ -124,7 +136,7 @@ TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
     expect(kRowLeftTurn + axis, [&](Sight& s, double step) { turn(s.band.left, axis, step); });
     expect(kRowRightTurn + axis, [&](Sight& s, double step) { turn(s.band.right, axis, step); });
     EXPECT_LT((differenceBy(sight, [&](Sight& s, double step) { s.landmark.place[axis] += step; }) -
-               equations->by_place.col(axis))
+               equations.by_place.col(axis))
                   .norm(),
               1e-2);
   }

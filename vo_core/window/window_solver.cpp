@@ -21,8 +21,13 @@ Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
   return rows;
 }
 
-Matrix6d carried(const Rows& rows, const WindowResult& result) {
-  return rows * result.covariance * rows.transpose();
+/// Covariance of what depends on the unknowns by `rows`, on none but those of the knots from the first one of
+/// an instant to the last one of another.
+Matrix6d carried(const Rows& rows, const WindowResult& result, const Trajectory::Instant& from,
+                 const Trajectory::Instant& to) {
+  const Eigen::Index at = columnOf(from.first), size = columnOf(to.first + Trajectory::kSupport) - at;
+  const auto used = rows.middleCols(at, size);
+  return used * result.covariance.block(at, at, size, size) * used.transpose();
 }
 
 /// Jerk of most likelihood (expectation maximisation) over the newest intervals.
@@ -140,7 +145,7 @@ WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, do
   const Trajectory::Instant at = problem.trajectory.at(time);
   Rows rows = byUnknowns(at, result.covariance.rows());
   rows.topRows<3>() = at.rotation.transpose() * rows.topRows<3>();
-  return {at.pose(), carried(rows, result)};
+  return {at.pose(), carried(rows, result, at, at)};
 }
 
 WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& result, double from, double to) {
@@ -152,7 +157,7 @@ WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& res
   rows.topRows<3>() = b.rotation.transpose() * (rows.topRows<3>() - by_a.topRows<3>()) +
                       back * skew(motion.translation()) * by_a.bottomRows<3>();
   rows.bottomRows<3>() -= back * by_a.bottomRows<3>();
-  return {motion, carried(rows, result)};
+  return {motion, carried(rows, result, a, b)};
 }
 
 WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time) {
@@ -171,7 +176,7 @@ WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, do
       (byUnknowns(after, unknowns).bottomRows<3>() -
        after.rotation.transpose() * before.rotation * byUnknowns(before, unknowns).bottomRows<3>()) /
       (2.0 * kStep);
-  twist.covariance = carried(rows, result);
+  twist.covariance = carried(rows, result, before, after);
   return twist;
 }
 

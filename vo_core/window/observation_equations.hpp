@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 
 #include "vo_core/window/window_problem.hpp"
 
@@ -9,18 +8,20 @@
 
 namespace cartvo::vo {
 
-/// States that an observation depends on: of each camera at the instant of its row, and what is shared.
-/// Positions are in the world's axes, turns on the right.
+/// States that an observation depends on: of each camera at the instant of its row, and what is shared, which
+/// has the order of SharedState. Positions are in the world's axes, turns on the right. Groups of four
+/// (DoubleLanes) have gaps, and end with the residuals, so that gradients are summed like information.
 enum ObservationState : int {
-  kRowLeftReadout = 0,
-  kRowLeftPosition = 1,
+  kRowLeftPosition = 0,
+  kRowLeftReadout = 3,
   kRowLeftTurn = 4,
-  kRowRightReadout = 7,
-  kRowOffset = 8,
-  kRowRightPosition = 9,
+  kRowRightPosition = 8,
   kRowRightTurn = 12,
-  kRowRig = 15,
-  kObservationStates = kRowRig + kRigStates
+  kRowRightReadout = 16,
+  kRowOffset = 17,
+  kRowRig = 18,
+  kRowResidual = kRowRig + kRigStates,
+  kObservationStates
 };
 
 /// Both cameras of a pair at the instants in the middle of a band of rows.
@@ -33,22 +34,23 @@ struct WindowBand {
 /// right ones, the part that the left ones have in common with them is taken off. Those of an image without a
 /// position are zero and have no weight.
 struct ObservationEquations {
-  Eigen::Vector4d residual = Eigen::Vector4d::Zero();
-  Eigen::Vector4d precision = Eigen::Vector4d::Zero();    ///< 1/px^2, inverse square of the scales
-  Eigen::Matrix<double, 4, kObservationStates> by_state;  ///< of the prediction
-  Eigen::Matrix<double, 4, 3> by_place;                   ///< of the prediction, by WindowLandmark::place
+  Eigen::Vector4d precision;  ///< 1/px^2, inverse square of the scales
+  /// Of the prediction by ObservationState, and the residuals.
+  Eigen::Matrix<double, 4, kObservationStates, Eigen::RowMajor> by_state;
+  Eigen::Matrix<double, 4, 3, Eigen::RowMajor> by_place;  ///< of the prediction, by WindowLandmark::place
 
+  auto residual() const { return by_state.col(kRowResidual); }
   /// Square of the residuals over their scales in one image. `image`: 0 left, 1 right.
   double squareIn(int image) const {
-    return (residual.array().square() * precision.array()).segment<2>(2 * image).sum();
+    return (residual().array().square() * precision.array()).segment<2>(2 * image).sum();
   }
 };
 
-/// The equations of an observation whose rows are near the middle of `band`: the camera accelerates uniformly
-/// between them. `scale`: factor on the noise. Nothing if the landmark is not in front of both cameras.
-std::optional<ObservationEquations> equationsOf(const WindowProblem& problem, const WindowBand& band,
-                                                const WindowLandmark& landmark,
-                                                const WindowObservation& observation, double scale);
+/// Sets the equations of an observation whose rows are near the middle of `band`: the camera accelerates
+/// uniformly between them. `scale`: factor on the noise. False if the landmark is not in front of both
+/// cameras.
+bool setEquations(const WindowProblem& problem, const WindowBand& band, const WindowLandmark& landmark,
+                  const WindowObservation& observation, double scale, ObservationEquations& equations);
 
 /// Degrees of freedom of the noise's t distribution.
 constexpr double kWindowFreedom = 5.0;

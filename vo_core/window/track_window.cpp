@@ -211,6 +211,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
   std::vector<Key> keys;
   keys.swap(next_.keys);
   taking_part_.clear();
+  problem.landmarks.reserve(chosen_.size());
   std::size_t at = 0;
   for (const auto& [key, index] : chosen_) {
     const Landmark& landmark = input.landmarks[index];

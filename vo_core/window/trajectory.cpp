@@ -18,18 +18,6 @@ Eigen::Matrix3d rotationOf(const Eigen::Vector3d& vector) {
   return motionFromVector(motion).linear();
 }
 
-/// Rotation vector from one knot to the next.
-Eigen::Vector3d turnBetween(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  turn.linear() = from.linear().transpose() * to.linear();
-  return vectorFromMotion(turn).tail<3>();
-}
-
-/// Derivative of turnBetween() by the second knot; by the first, that of the opposite turn, negative.
-Eigen::Matrix3d turnByNext(const Eigen::Vector3d& turn) {
-  return rightJacobianOfRotation(turn).inverse();
-}
-
 struct Basis {
   std::array<double, Trajectory::kSupport> value, derivative, second;  ///< derivatives in 1/s and 1/s^2
 };
@@ -53,7 +41,18 @@ Eigen::Isometry3d Trajectory::Instant::pose() const {
 }
 
 Trajectory::Trajectory(double start, double interval, const Eigen::Isometry3d& pose)
-    : start_(start), interval_(interval), knots_(kSupport, pose) {}
+    : start_(start), interval_(interval), knots_(kSupport, pose), turns_(kSupport - 1) {
+  for (int i = 0; i < kSupport - 1; ++i)
+    updateTurn(i);
+}
+
+void Trajectory::updateTurn(int i) {
+  if (i < 0 || i + 1 >= size()) return;
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = knot(i).linear().transpose() * knot(i + 1).linear();
+  const Eigen::Vector3d vector = vectorFromMotion(turn).tail<3>();
+  turns_[static_cast<std::size_t>(i)] = {vector, rightJacobianOfRotation(vector).inverse()};
+}
 
 Trajectory::Instant Trajectory::at(double time) const {
   const double place = (time - start_) / interval_;
@@ -71,7 +70,6 @@ Trajectory::Instant Trajectory::at(double time) const {
     at.acceleration += basis.second[i] * knot(at.first + i).translation();
   }
   // R = R_0 exp(l_1 d_1) exp(l_2 d_2) exp(l_3 d_3), d_j from knot to knot, l_j sums of the basis.
-  std::array<Eigen::Vector3d, kSupport> turns;
   std::array<double, kSupport> sums{}, rates{}, seconds{};
   Matrices later;  // transposed product of the rotations after the j-th
   later[3].setIdentity();
@@ -79,8 +77,7 @@ Trajectory::Instant Trajectory::at(double time) const {
     sums[j] = basis.value[j] + (j < 3 ? sums[j + 1] : 0.0);
     rates[j] = basis.derivative[j] + (j < 3 ? rates[j + 1] : 0.0);
     seconds[j] = basis.second[j] + (j < 3 ? seconds[j + 1] : 0.0);
-    turns[j] = turnBetween(knot(at.first + j - 1), knot(at.first + j));
-    later[j - 1] = later[j] * rotationOf(sums[j] * turns[j]).transpose();
+    later[j - 1] = later[j] * rotationOf(sums[j] * turnFrom(at.first + j - 1).vector).transpose();
   }
   at.rotation = knot(at.first).linear() * later[0].transpose();
   at.rate.setZero();
@@ -88,12 +85,13 @@ Trajectory::Instant Trajectory::at(double time) const {
   at.turn_by_knot.fill(Eigen::Matrix3d::Zero());
   at.turn_by_knot[0] = later[0];
   for (int j = 1; j < kSupport; ++j) {
-    const Eigen::Vector3d axis = later[j] * turns[j];
+    const Turn& turn = turnFrom(at.first + j - 1);
+    const Eigen::Vector3d axis = later[j] * turn.vector;
     at.rate += rates[j] * axis;
     at.angular_acceleration += seconds[j] * axis + rates[j] * at.rate.cross(axis);
-    const Eigen::Matrix3d by_turn = sums[j] * later[j] * rightJacobianOfRotation(sums[j] * turns[j]);
-    at.turn_by_knot[j] += by_turn * turnByNext(turns[j]);
-    at.turn_by_knot[j - 1] -= by_turn * turnByNext(-turns[j]);
+    const Eigen::Matrix3d by_turn = sums[j] * later[j] * rightJacobianOfRotation(sums[j] * turn.vector);
+    at.turn_by_knot[j] += by_turn * turn.by_next;
+    at.turn_by_knot[j - 1] -= by_turn * turn.by_next.transpose();
   }
   return at;
 }
@@ -103,6 +101,14 @@ void Trajectory::move(int i, const Vector6d& step) {
   const Eigen::Vector3d position = moved.translation() + step.head<3>();
   moved = orthonormalised(moved * Eigen::Isometry3d(rotationOf(step.tail<3>())));
   moved.translation() = position;
+  updateTurn(i - 1);
+  updateTurn(i);
+}
+
+void Trajectory::set(int i, const Eigen::Isometry3d& knot) {
+  knots_[static_cast<std::size_t>(i)] = knot;
+  updateTurn(i - 1);
+  updateTurn(i);
 }
 
 void Trajectory::extendTo(double time) {
@@ -112,11 +118,14 @@ void Trajectory::extendTo(double time) {
     next.linear() = last.linear() * before.linear().transpose() * last.linear();
     next.translation() = 2.0 * last.translation() - before.translation();
     knots_.push_back(orthonormalised(next));
+    turns_.emplace_back();
+    updateTurn(size() - 2);
   }
 }
 
 void Trajectory::removeOldest(int count) {
   knots_.erase(knots_.begin(), knots_.begin() + count);
+  turns_.erase(turns_.begin(), turns_.begin() + count);
   start_ += interval_ * count;
 }
 
@@ -125,9 +134,8 @@ Vector6d Trajectory::thirdDifferences(int first) const {
   differences.setZero();
   for (int i = 0; i < kSupport; ++i)
     differences.head<3>() += kThirdDifference[i] * knot(first + i).translation();
-  differences.tail<3>() = turnBetween(knot(first), knot(first + 1)) -
-                          2.0 * turnBetween(knot(first + 1), knot(first + 2)) +
-                          turnBetween(knot(first + 2), knot(first + 3));
+  differences.tail<3>() =
+      turnFrom(first).vector - 2.0 * turnFrom(first + 1).vector + turnFrom(first + 2).vector;
   return differences;
 }
 
@@ -136,9 +144,9 @@ Matrices Trajectory::turnDifferencesByKnot(int first) const {
   by_knot.fill(Eigen::Matrix3d::Zero());
   constexpr std::array<double, 3> kFactors{1.0, -2.0, 1.0};
   for (int j = 0; j < 3; ++j) {
-    const Eigen::Vector3d turn = turnBetween(knot(first + j), knot(first + j + 1));
-    by_knot[j + 1] += kFactors[j] * turnByNext(turn);
-    by_knot[j] -= kFactors[j] * turnByNext(-turn);
+    const Eigen::Matrix3d& by_next = turnFrom(first + j).by_next;
+    by_knot[j + 1] += kFactors[j] * by_next;
+    by_knot[j] -= kFactors[j] * by_next.transpose();
   }
   return by_knot;
 }

@@ -50,7 +50,7 @@ class Trajectory {
 
   /// Moves a knot by a perturbation: position in the world's axes, rotation on the right; m and rad.
   void move(int i, const Vector6d& step);
-  void set(int i, const Eigen::Isometry3d& knot) { knots_[static_cast<std::size_t>(i)] = knot; }
+  void set(int i, const Eigen::Isometry3d& knot);
   /// Appends knots at constant velocity until end() is at least `time` (s).
   void extendTo(double time);
   void removeOldest(int count);
@@ -64,8 +64,17 @@ class Trajectory {
   std::array<Eigen::Matrix3d, kSupport> turnDifferencesByKnot(int first) const;
 
  private:
+  /// From one knot to the next.
+  struct Turn {
+    Eigen::Vector3d vector;   ///< rotation vector
+    Eigen::Matrix3d by_next;  ///< derivative by the next knot; transposed and negative, that by the first one
+  };
+  const Turn& turnFrom(int i) const { return turns_[static_cast<std::size_t>(i)]; }
+  void updateTurn(int i);
+
   double start_ = 0.0, interval_ = 1.0;
   std::vector<Eigen::Isometry3d> knots_;
+  std::vector<Turn> turns_;  ///< one less than knots
 };
 
 }  // namespace cartvo::vo

@@ -17,24 +17,10 @@ constexpr double kLargestCommon = 0.9;                     // see WindowNoise::c
 constexpr double kLargestCommonSquare = 16.0;              // of residuals that it is estimated from
 constexpr int kBands = 41;  // of rows, between which the camera accelerates uniformly
 
-/// Adds the products of `by_state` (columns as ObservationState) with the derivatives of those states by the
-/// unknowns: a linear map of rows to rows.
-template <typename ByState, typename Result>
-void addByUnknowns(const WindowBand& band, const ByState& by_state, Result& result) {
-  const auto add_camera = [&](const Trajectory::Instant& instant, int position, int turn) {
-    for (int i = 0; i < Trajectory::kSupport; ++i) {
-      const Eigen::Index at = columnOf(instant.first + i);
-      result.template middleCols<3>(at) += instant.by_knot[i] * by_state.template middleCols<3>(position);
-      result.template middleCols<3>(at + 3).noalias() +=
-          by_state.template middleCols<3>(turn) * instant.turn_by_knot[i];
-    }
-  };
-  add_camera(band.left, kRowLeftPosition, kRowLeftTurn);
-  add_camera(band.right, kRowRightPosition, kRowRightTurn);
-  result.col(kLeftReadout) += by_state.col(kRowLeftReadout);
-  result.col(kRightReadout) += by_state.col(kRowRightReadout);
-  result.col(kOffset) += by_state.col(kRowOffset);
-  result.template middleCols<kRigStates>(kPitch) += by_state.template middleCols<kRigStates>(kRowRig);
+/// Index of the band of rows of a pair.
+std::size_t bandIndexOf(const WindowObservation& observation) {
+  const int row = std::clamp(static_cast<int>((observation.left_share + 0.5) * kBands), 0, kBands - 1);
+  return static_cast<std::size_t>(observation.pair) * kBands + static_cast<std::size_t>(row);
 }
 
 }  // namespace
@@ -58,8 +44,8 @@ void WindowNoiseSums::add(int level, const ObservationEquations& equations,
   for (int row = 0; row < 2; ++row) {
     const double precision = equations.precision[row];
     sums.common +=
-        precision * (equations.residual[row] * equations.residual[row + 2] + explained(row, row + 2));
-    sums.by_left += precision * (equations.residual[row] * equations.residual[row] + explained(row, row));
+        precision * (equations.residual()[row] * equations.residual()[row + 2] + explained(row, row + 2));
+    sums.by_left += precision * (equations.residual()[row] * equations.residual()[row] + explained(row, row));
   }
 }
 
@@ -81,34 +67,34 @@ WindowNoises WindowNoiseSums::concluded(const WindowNoises& before) const {
 
 WindowEquations::Band& WindowEquations::bandOf(const WindowProblem& problem,
                                                const WindowObservation& observation) {
-  const int row = std::clamp(static_cast<int>((observation.left_share + 0.5) * kBands), 0, kBands - 1);
-  Band& band = bands_[static_cast<std::size_t>(observation.pair) * kBands + static_cast<std::size_t>(row)];
+  const std::size_t at = bandIndexOf(observation);
+  Band& band = bands_[at];
   if (band.used) return band;
   band.used = true;
-  band.information.setZero();
-  band.gradient.setZero();
-  const double share = (row + 0.5) / kBands - 0.5;
+  const double share = (static_cast<double>(at % kBands) + 0.5) / kBands - 0.5;
   band.middle.left_time = problem.leftTime(observation.pair, share);
   band.middle.right_time = problem.rightTime(observation.pair, share);
   band.middle.left = problem.trajectory.at(band.middle.left_time);
   band.middle.right = problem.trajectory.at(band.middle.right_time);
+  band.sums.reset(band.middle);
   return band;
 }
 
-/// Adds a landmark's observations to the equations of their bands, and sets its coupling to the unknowns in
-/// three columns.
+/// Adds a landmark's observations to the equations of their bands, and eliminates it.
 WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& problem,
                                                        const WindowLandmark& landmark, bool gated,
-                                                       double scale, Eigen::Index columns) {
+                                                       double scale, WindowNoiseSums* noise) {
   Eliminated result;
-  FixedVector<ObservationEquations, kMaximumWindowPairs> rows;
+  std::array<ObservationEquations, kMaximumWindowPairs> rows;
+  std::array<Band*, kMaximumWindowPairs> bands;
   double squares = 0.0, freedom = -3.0;
-  for (const WindowObservation& observation : landmark.observations) {
-    const auto seen = equationsOf(problem, bandOf(problem, observation).middle, landmark, observation, scale);
-    if (!seen) return result;
-    rows.push_back(*seen);
+  const std::size_t count = landmark.observations.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const WindowObservation& observation = landmark.observations[i];
+    bands[i] = &bandOf(problem, observation);
+    if (!setEquations(problem, bands[i]->middle, landmark, observation, scale, rows[i])) return result;
     for (int image = 0; image < (observation.stereo ? 2 : 1); ++image) {
-      squares += std::min(seen->squareIn(image), kLargestSquare);
+      squares += std::min(rows[i].squareIn(image), kLargestSquare);
       freedom += 2.0;
     }
   }
@@ -116,100 +102,44 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
 
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   information(2, 2) = kLeastInformation;
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  cross_.setZero(3, information_.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const ObservationEquations& row = rows[i];
-    Band& band = bandOf(problem, landmark.observations[i]);
     Eigen::Vector4d weight = kStudentInformation * row.precision;
     weight.head<2>() *= studentWeight(row.squareIn(0));
     weight.tail<2>() *= studentWeight(row.squareIn(1));
-    const Eigen::Matrix<double, kObservationStates, 4> weighted =
-        row.by_state.transpose() * weight.asDiagonal();
-    band.information += weighted.lazyProduct(row.by_state);
-    band.gradient += weighted.lazyProduct(row.residual);
-    const Eigen::Matrix<double, 3, 4> weighted_place = row.by_place.transpose() * weight.asDiagonal();
-    information.noalias() += weighted_place * row.by_place;
-    gradient.noalias() += weighted_place * row.residual;
-    const Eigen::Matrix<double, 3, kObservationStates> by_state = weighted_place.lazyProduct(row.by_state);
-    addByUnknowns(band.middle, by_state, cross_);
+    information += row.by_place.transpose().lazyProduct(weight.asDiagonal() * row.by_place);
+    sums_.add(row, weight, bands[i]->sums);
   }
   const Eigen::LLT<Eigen::Matrix3d> factor(information);
-  if (factor.info() != Eigen::Success) return result;
-  result.used = true;
-  result.root = factor.matrixL();
-  gradients_.segment<3>(columns) = factor.matrixL().solve(gradient);
-  const Eigen::Matrix3d inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
-  couplings_.middleCols<3>(columns) = cross_.transpose().lazyProduct(inverse.transpose());
-  const Eigen::Matrix3d covariance = factor.solve(Eigen::Matrix3d::Identity());
-  for (const ObservationEquations& row : rows)
-    sums_.add(landmark.level, row, covariance);
+  result.used = factor.info() == Eigen::Success;
+  result.root_inverse.setZero();
+  if (result.used) result.root_inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
+  result.index = sums_.eliminate(result.root_inverse);
+  if (!result.used || !noise) return result;
+  const Eigen::Matrix3d covariance = result.root_inverse.transpose().lazyProduct(result.root_inverse);
+  for (std::size_t i = 0; i < count; ++i)
+    noise->add(landmark.level, rows[i], covariance);
   return result;
 }
 
-void WindowEquations::addBand(const Band& band) {
-  const Trajectory::Instant &left = band.middle.left, &right = band.middle.right;
-  const int first = std::min(left.first, right.first);
-  const int knots = std::max(left.first, right.first) + Trajectory::kSupport - first;
-  WindowBand local = band.middle;  // as if its first knot were the trajectory's
-  local.left.first -= first;
-  local.right.first -= first;
-  using States = Eigen::Matrix<double, kObservationStates, kObservationStates>;
-  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(kObservationStates, columnOf(knots));
-  addByUnknowns(local, States::Identity(), by_unknowns);
-  const Eigen::MatrixXd products = by_unknowns.transpose() * band.information * by_unknowns;
-  const Eigen::VectorXd gradient = by_unknowns.transpose() * band.gradient;
-  const Eigen::Index own = 6 * static_cast<Eigen::Index>(knots), at = columnOf(first);
-  information_.topLeftCorner<kSharedStates, kSharedStates>() +=
-      products.topLeftCorner<kSharedStates, kSharedStates>();
-  information_.block(0, at, kSharedStates, own) += products.topRightCorner(kSharedStates, own);
-  information_.block(at, 0, own, kSharedStates) += products.bottomLeftCorner(own, kSharedStates);
-  information_.block(at, at, own, own) += products.bottomRightCorner(own, own);
-  gradient_.head<kSharedStates>() += gradient.head<kSharedStates>();
-  gradient_.segment(at, own) += gradient.tail(own);
-}
-
-/// Subtracts the Schur complement of the landmarks with these columns, which depend on the shared states and
-/// on the unknowns `from` and later.
-void WindowEquations::subtractEliminated(Eigen::Index begin, Eigen::Index end, Eigen::Index from) {
-  const Eigen::Index rest = information_.rows() - from;
-  const auto shared = couplings_.block(0, begin, kSharedStates, end - begin);
-  const auto knots = couplings_.block(from, begin, rest, end - begin);
-  information_.topLeftCorner<kSharedStates, kSharedStates>().noalias() -= shared * shared.transpose();
-  information_.block(from, 0, rest, kSharedStates).noalias() -= knots * shared.transpose();
-  information_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(knots, -1.0);
-}
-
 void WindowEquations::setLandmarks(const WindowProblem& problem, const std::vector<WindowLandmark>& landmarks,
-                                   bool gated, double scale) {
-  const Eigen::Index unknowns = columnOf(problem.trajectory.size());
-  information_.setZero(unknowns, unknowns);
-  gradient_.setZero(unknowns);
-  sums_ = {};
+                                   bool gated, double scale, WindowNoiseSums* noise) {
+  sums_.reset(problem.trajectory.size(), landmarks.size());
   bands_.resize(problem.pairs.size() * kBands);
   for (Band& band : bands_)
     band.used = false;
   eliminated_.resize(landmarks.size());
-  const Eigen::Index columns = 3 * static_cast<Eigen::Index>(landmarks.size());
-  couplings_.setZero(unknowns, columns);
-  gradients_.setZero(columns);
-  for (std::size_t i = 0; i < landmarks.size(); ++i)
-    eliminated_[i] = eliminate(problem, landmarks[i], gated, scale, 3 * static_cast<Eigen::Index>(i));
-  for (const Band& band : bands_)
-    if (band.used) addBand(band);
-  if (landmarks.empty()) return;
-  // Landmarks that come with one pair follow each other.
-  for (std::size_t begin = 0, end = 0; begin < landmarks.size(); begin = end) {
-    const int pair = landmarks[begin].observations.front().pair;
-    while (end < landmarks.size() && landmarks[end].observations.front().pair == pair)
-      ++end;
-    const double earliest = std::min({problem.leftTime(pair, -0.5), problem.leftTime(pair, 0.5),
-                                      problem.rightTime(pair, -0.5), problem.rightTime(pair, 0.5)});
-    subtractEliminated(3 * static_cast<Eigen::Index>(begin), 3 * static_cast<Eigen::Index>(end),
-                       columnOf(problem.trajectory.at(earliest).first));
+  // Landmarks in the same bands follow each other, so that these stay in the cache.
+  by_band_.sort(bands_.size(), landmarks.size(),
+                [&](std::size_t i) { return bandIndexOf(landmarks[i].observations.front()); });
+  for (int place = 0; place < by_band_.begin(bands_.size()); ++place) {
+    const auto i = static_cast<std::size_t>(by_band_[place]);
+    eliminated_[i] = eliminate(problem, landmarks[i], gated, scale, noise);
   }
-  information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
-  gradient_.noalias() -= couplings_ * gradients_;
+  for (const Band& band : bands_)
+    if (band.used) sums_.add(band.sums);
+  sums_.subtractEliminated();
+  sums_.copyTo(information_, gradient_);
 }
 
 void WindowEquations::addJerk(const WindowProblem& problem, int end) {
@@ -245,15 +175,11 @@ void WindowEquations::addPrior(const WindowProblem& problem) {
       prior.vector - prior.information * prior.changeTo(problem.shared, problem.trajectory);
 }
 
-void WindowEquations::moveLandmarks(const Eigen::VectorXd& step,
-                                    std::vector<WindowLandmark>& landmarks) const {
+void WindowEquations::moveLandmarks(const Eigen::VectorXd& step, std::vector<WindowLandmark>& landmarks) {
+  sums_.setStep(step);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Eliminated& own = eliminated_[i];
-    if (!own.used) continue;
-    const Eigen::Index columns = 3 * static_cast<Eigen::Index>(i);
-    const Eigen::Vector3d rest =
-        gradients_.segment<3>(columns) - couplings_.middleCols<3>(columns).transpose() * step;
-    landmarks[i].place += own.root.triangularView<Eigen::Lower>().transpose().solve(rest);
+    if (own.used) landmarks[i].place += own.root_inverse.transpose().lazyProduct(sums_.stepOf(own.index));
   }
 }
 

@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "vo_core/simd/counting_sort.hpp"
 #include "vo_core/window/observation_equations.hpp"
 #include "vo_core/window/window_problem.hpp"
+#include "vo_core/window/window_sums.hpp"
 
 // Normal equations of a window: landmarks are eliminated, each trajectory's knots and the shared states stay.
 
@@ -34,49 +36,48 @@ class WindowEquations {
  public:
   /// Equations of observations, with the landmarks eliminated (Schur complement of 3 x 3 blocks; B. Triggs et
   /// al., "Bundle adjustment - a modern synthesis", 2000). `gated`: a landmark whose observations contradict
-  /// each other beyond the gate is left out. `scale`: factor on the noise.
+  /// each other beyond the gate is left out. `scale`: factor on the noise. `noise`: null, or what the
+  /// residuals are added to.
   void setLandmarks(const WindowProblem& problem, const std::vector<WindowLandmark>& landmarks, bool gated,
-                    double scale);
+                    double scale, WindowNoiseSums* noise = nullptr);
   /// Adds the white jerk between four knots, the first of which is below `end`.
   void addJerk(const WindowProblem& problem, int end);
   void addPrior(const WindowProblem& problem);
 
   /// Moves the landmarks given to setLandmarks() by what follows from a step of the other unknowns.
-  void moveLandmarks(const Eigen::VectorXd& step, std::vector<WindowLandmark>& landmarks) const;
-  WindowNoiseSums noiseSums() const { return sums_; }
+  void moveLandmarks(const Eigen::VectorXd& step, std::vector<WindowLandmark>& landmarks);
+
+  /// Covariance by the root of the information, lower triangular; the last call after setLandmarks().
+  Eigen::MatrixXd covarianceBy(const Eigen::MatrixXd& root) { return sums_.inverseBy(root); }
 
   const Eigen::MatrixXd& information() const { return information_; }  ///< symmetric
   const Eigen::VectorXd& gradient() const { return gradient_; }
 
  private:
-  /// Equations of the observations in a band of rows of a pair.
+  /// A band of rows of a pair.
   struct Band {
     bool used = false;
     WindowBand middle;
-    Eigen::Matrix<double, kObservationStates, kObservationStates> information;  ///< lower triangle
-    Eigen::Matrix<double, kObservationStates, 1> gradient;
+    BandSums sums;
   };
   /// A landmark's elimination, for its own step.
   struct Eliminated {
     bool used = false;
-    Eigen::Matrix3d root;  ///< lower triangular, of the information
+    std::size_t index = 0;         ///< in sums_
+    Eigen::Matrix3d root_inverse;  ///< lower triangular, of the information
   };
 
   Band& bandOf(const WindowProblem& problem, const WindowObservation& observation);
   Eliminated eliminate(const WindowProblem& problem, const WindowLandmark& landmark, bool gated, double scale,
-                       Eigen::Index columns);
-  void addBand(const Band& band);
-  void subtractEliminated(Eigen::Index begin, Eigen::Index end, Eigen::Index from);
+                       WindowNoiseSums* noise);
 
   Eigen::MatrixXd information_;
   Eigen::VectorXd gradient_;
-  WindowNoiseSums sums_;
   // Reused for their memory.
   std::vector<Band> bands_;
   std::vector<Eliminated> eliminated_;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> cross_;  ///< information of a landmark with the unknowns
-  Eigen::MatrixXd couplings_;  ///< three columns a landmark: root^-1 times its cross information, transposed
-  Eigen::VectorXd gradients_;  ///< Eliminated::gradient of all
+  CountingSort by_band_;  ///< landmarks, by the band of their first observation
+  WindowSums sums_;
 };
 
 }  // namespace cartvo::vo

@@ -20,8 +20,13 @@ Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
   return rows;
 }
 
-Matrix6d carried(const Rows& rows, const WindowResult& result) {
-  return rows * result.covariance * rows.transpose();
+/// Covariance of what depends on the unknowns by `rows`, on none but those of the knots from the first one of
+/// an instant to the last one of another.
+Matrix6d carried(const Rows& rows, const WindowResult& result, const Trajectory::Instant& from,
+                 const Trajectory::Instant& to) {
+  const Eigen::Index at = columnOf(from.first), size = columnOf(to.first + Trajectory::kSupport) - at;
+  const auto used = rows.middleCols(at, size);
+  return used * result.covariance.block(at, at, size, size) * used.transpose();
 }
 
 WindowJerkSums jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covariance) {
@@ -62,15 +67,16 @@ WindowJerkSums jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covar
 
 }  // namespace
 
-bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales) {
+bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales,
+                        WindowNoiseSums* noise_sums) {
   problem.prior.extendTo(problem.trajectory);
   for (std::size_t iteration = 0; iteration < scales.size(); ++iteration) {
     equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,
-                            scales[iteration]);
+                            scales[iteration], iteration + 1 == scales.size() ? noise_sums : nullptr);
     equations_.addJerk(problem, problem.trajectory.size());
     equations_.addPrior(problem);
     factor_.compute(equations_.information());
-    if (factor_.info() != Eigen::Success || !(factor_.vectorD().minCoeff() > 0.0)) return false;
+    if (factor_.info() != Eigen::Success) return false;
     const Eigen::VectorXd step = factor_.solve(equations_.gradient());
     if (!step.allFinite()) return false;
     equations_.moveLandmarks(step, problem.landmarks);
@@ -84,10 +90,10 @@ bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales) 
 WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double> scales) {
   WindowResult result;
   result.noise = problem.noise;
-  if (!step(problem, scales)) return result;
-  const Eigen::Index unknowns = equations_.information().rows();
-  result.covariance = factor_.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
-  result.noise = equations_.noiseSums().concluded(problem.noise);
+  WindowNoiseSums noise_sums;
+  if (!step(problem, scales, &noise_sums)) return result;
+  result.covariance = equations_.covarianceBy(factor_.matrixLLT());
+  result.noise = noise_sums.concluded(problem.noise);
   result.jerk = jerkOf(problem, result.covariance);
   result.converged = result.covariance.allFinite();
   return result;
@@ -143,7 +149,7 @@ WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, do
   const Trajectory::Instant at = problem.trajectory.at(time);
   Rows rows = byUnknowns(at, result.covariance.rows());
   rows.topRows<3>() = at.rotation.transpose() * rows.topRows<3>();
-  return {at.pose(), carried(rows, result)};
+  return {at.pose(), carried(rows, result, at, at)};
 }
 
 WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& result, double from, double to) {
@@ -155,7 +161,7 @@ WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& res
   rows.topRows<3>() = b.rotation.transpose() * (rows.topRows<3>() - by_a.topRows<3>()) +
                       back * skew(motion.translation()) * by_a.bottomRows<3>();
   rows.bottomRows<3>() -= back * by_a.bottomRows<3>();
-  return {motion, carried(rows, result)};
+  return {motion, carried(rows, result, a, b)};
 }
 
 WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time) {
@@ -174,7 +180,7 @@ WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, do
       (byUnknowns(after, unknowns).bottomRows<3>() -
        after.rotation.transpose() * before.rotation * byUnknowns(before, unknowns).bottomRows<3>()) /
       (2.0 * kStep);
-  twist.covariance = carried(rows, result);
+  twist.covariance = carried(rows, result, before, after);
   return twist;
 }
 

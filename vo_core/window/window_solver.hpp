@@ -22,8 +22,8 @@ struct WindowResult {
 class WindowSolver {
  public:
   /// One step for each of `scales`: factors on the noise, larger ones where the first values are far off.
-  /// False if the geometry is degenerate.
-  bool step(WindowProblem& problem, std::span<const double> scales);
+  /// False if the geometry is degenerate. `noise_sums`: those of the last step, if wanted.
+  bool step(WindowProblem& problem, std::span<const double> scales, WindowNoiseSums* noise_sums = nullptr);
   /// Such steps, with what follows from the last one's equations.
   WindowResult solve(WindowProblem& problem, std::span<const double> scales);
 
@@ -33,7 +33,7 @@ class WindowSolver {
 
  private:
   WindowEquations equations_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
 /// Ties the prior to a pose (m and rad; position in the world's axes, rotation on the right) of the

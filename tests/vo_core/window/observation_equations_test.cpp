@@ -1,7 +1,12 @@
-// Derivatives of the trajectory and of an observation's residuals against differences.
+// Derivatives of the trajectory and of an observation's residuals against differences; elimination of
+// landmarks.
 #include "vo_core/window/observation_equations.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <gtest/gtest.h>
+
+#include "vo_core/window/window_equations.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -67,6 +72,16 @@ TEST(Trajectory, ThirdDifferencesDeriveByKnots) {
   }
 }
 
+TEST(Trajectory, KeepsItsCurveAsOldKnotsGo) {
+  Trajectory trajectory = turningTrajectory();
+  const Trajectory::Instant before = trajectory.at(0.1);
+  trajectory.removeOldest(1);
+  const Trajectory::Instant after = trajectory.at(0.1);
+  EXPECT_LT(changeOf(before, after).norm(), 1e-12);
+  EXPECT_LT((before.rate - after.rate).norm(), 1e-9);
+  EXPECT_LT((before.turn_by_knot[2] - after.turn_by_knot[2]).norm(), 1e-9);
+}
+
 /// A landmark seen by both cameras of a pair, 10 ms apart.
 struct Sight {
   WindowProblem problem;
@@ -92,9 +107,12 @@ struct Sight {
     observation.right = {380.0, 150.0};
     observation.left_share = observation.right_share = 0.1;
   }
-  Eigen::Vector4d residual() const {
-    return equationsOf(problem, band, landmark, observation, 1.0)->residual;
+  ObservationEquations equations() const {
+    ObservationEquations result;
+    EXPECT_TRUE(setEquations(problem, band, landmark, observation, 1.0, result));
+    return result;
   }
+  Eigen::Vector4d residual() const { return equations().residual(); }
 };
 
 TEST(ObservationEquations, RowsAwayFromTheMiddleOfTheirBandMoveWithAcceleration) {
@@ -121,11 +139,10 @@ Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {
 
 TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
   const Sight sight;
-  const auto equations = equationsOf(sight.problem, sight.band, sight.landmark, sight.observation, 1.0);
-  ASSERT_TRUE(equations);
+  const ObservationEquations equations = sight.equations();
   const auto expect = [&](int state, const auto& perturb) {
     const Eigen::Vector4d numeric = differenceBy(sight, perturb);
-    EXPECT_LT((numeric - equations->by_state.col(state)).norm(), 1e-2) << state;
+    EXPECT_LT((numeric - equations.by_state.col(state)).norm(), 1e-2) << state;
   };
   expect(kRowLeftReadout, [](Sight& s, double step) { s.problem.shared[kLeftReadout] += step; });
   expect(kRowRightReadout, [](Sight& s, double step) { s.problem.shared[kRightReadout] += step; });
@@ -141,12 +158,82 @@ TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
     expect(kRowLeftTurn + axis, [&](Sight& s, double step) { turn(s.band.left, axis, step); });
     expect(kRowRightTurn + axis, [&](Sight& s, double step) { turn(s.band.right, axis, step); });
     EXPECT_LT((differenceBy(sight, [&](Sight& s, double step) { s.landmark.place[axis] += step; }) -
-               equations->by_place.col(axis))
+               equations.by_place.col(axis))
                   .norm(),
               1e-2);
   }
   for (int state = 0; state < kRigStates; ++state)
     expect(kRowRig + state, [&](Sight& s, double step) { s.problem.shared[kPitch + state] += step; });
+}
+
+/// Derivatives of an observation's residuals by all unknowns, from those by its states.
+Eigen::MatrixXd byUnknowns(const Sight& sight, const ObservationEquations& equations) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(4, columnOf(sight.problem.trajectory.size()));
+  const auto& by_state = equations.by_state;
+  const auto add = [&](const Trajectory::Instant& instant, int position, int turn) {
+    for (int i = 0; i < Trajectory::kSupport; ++i) {
+      const Eigen::Index at = columnOf(instant.first + i);
+      result.middleCols<3>(at) += instant.by_knot[i] * by_state.middleCols<3>(position);
+      result.middleCols<3>(at + 3) += by_state.middleCols<3>(turn) * instant.turn_by_knot[i];
+    }
+  };
+  add(sight.band.left, kRowLeftPosition, kRowLeftTurn);
+  add(sight.band.right, kRowRightPosition, kRowRightTurn);
+  result.col(kLeftReadout) = by_state.col(kRowLeftReadout);
+  result.rightCols(result.cols() - kRightReadout).leftCols<kSharedStates - kRightReadout>() =
+      by_state.middleCols<kSharedStates - kRightReadout>(kRowRightReadout);
+  return result;
+}
+
+TEST(WindowEquations, EliminateLandmarks) {
+  Sight sight;
+  sight.problem.trajectory = turningTrajectory();
+  sight.problem.pairs.push_back({1, 0.08, 0.01});
+  Eigen::MatrixXd all;  // unknowns, then the landmark
+  Eigen::VectorXd gradient;
+  for (int pair = 0; pair < 2; ++pair) {
+    sight.observation.pair = pair;
+    sight.observation.stereo = pair == 0;
+    sight.observation.left_share = sight.observation.right_share = 0.0;  // in the middle of a band
+    sight.landmark.observations.push_back(sight.observation);
+    sight.band.left_time = sight.problem.leftTime(pair, 0.0);
+    sight.band.right_time = sight.problem.rightTime(pair, 0.0);
+    sight.band.left = sight.problem.trajectory.at(sight.band.left_time);
+    sight.band.right = sight.problem.trajectory.at(sight.band.right_time);
+    const ObservationEquations equations = sight.equations();
+    Eigen::MatrixXd rows(4, columnOf(sight.problem.trajectory.size()) + 3);
+    rows << byUnknowns(sight, equations), equations.by_place;
+    Eigen::Vector4d weight = kStudentInformation * equations.precision;
+    for (int row = 0; row < 4; ++row)
+      weight[row] *= studentWeight(equations.squareIn(row / 2));
+    if (pair == 0) {
+      all = Eigen::MatrixXd::Zero(rows.cols(), rows.cols());
+      gradient = Eigen::VectorXd::Zero(rows.cols());
+    }
+    all += rows.transpose() * weight.asDiagonal() * rows;
+    gradient += rows.transpose() * weight.cwiseProduct(equations.residual());
+  }
+  all.bottomRightCorner<1, 1>().array() += 1.0;  // of an inverse depth that nothing shows
+  const Eigen::MatrixXd solved = all.bottomRightCorner<3, 3>().ldlt().solve(all.bottomRows<3>());
+  const Eigen::Index unknowns = all.rows() - 3;
+  const Eigen::MatrixXd information =
+      all.topLeftCorner(unknowns, unknowns) - all.topRightCorner(unknowns, 3) * solved.leftCols(unknowns);
+  const Eigen::VectorXd rest =
+      gradient.head(unknowns) - solved.leftCols(unknowns).transpose() * gradient.tail<3>();
+
+  WindowEquations equations;
+  std::vector<WindowLandmark> landmarks{sight.landmark};
+  equations.setLandmarks(sight.problem, landmarks, false, 1.0);
+  EXPECT_LT((equations.information() - information).norm(), 1e-9 * all.norm());
+  EXPECT_LT((equations.gradient() - rest).norm(), 1e-9 * gradient.norm());
+  const Eigen::VectorXd step = 1e-3 * Eigen::VectorXd::LinSpaced(unknowns, -1.0, 1.0);
+  equations.moveLandmarks(step, landmarks);
+  const Eigen::Vector3d expected =
+      all.bottomRightCorner<3, 3>().ldlt().solve(gradient.tail<3>()) - solved.leftCols(unknowns) * step;
+  EXPECT_LT((landmarks[0].place - sight.landmark.place - expected).norm(), 1e-9 * expected.norm());
+  const Eigen::MatrixXd regular = information + Eigen::MatrixXd::Identity(unknowns, unknowns);
+  const Eigen::MatrixXd product = equations.covarianceBy(regular.llt().matrixL()) * regular;
+  EXPECT_LT((product - Eigen::MatrixXd::Identity(unknowns, unknowns)).norm(), 1e-6);
 }
 
 }  // namespace

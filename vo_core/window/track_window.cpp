@@ -25,7 +25,7 @@ constexpr double kLongestReadout = 0.1;  // s
 constexpr int kPairsOfStart = 5;         // whose values are far from the solution
 constexpr std::array<double, 6> kStartScales{8.0, 4.0, 2.0, 1.0, 1.0, 1.0};
 constexpr std::array<double, 2> kPredictionScales{3.0, 1.0};  // of left positions only
-constexpr std::array<double, 3> kScales{3.0, 1.0, 1.0};
+constexpr std::array<double, 2> kScales{1.0, 1.0};
 
 /// s, from the exposure of the left image to the earliest and the latest row of a pair.
 struct Reach {

@@ -18,13 +18,6 @@ double clampedTo(double value, double limit) {
   return std::clamp(value, -limit, limit);
 }
 
-/// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
-/// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
-/// non-negative garrote", 1998), zero for values below their standard deviation.
-double shrunk(double value, double variance) {
-  return square(value) <= variance ? 0.0 : value - variance / value;
-}
-
 /// rad/s, of the newest motion about the camera's y axis.
 double yawRate(const BundleProblem& adjusted) {
   const TimedPose &before = adjusted.poses[adjusted.poses.size() - 2], &last = adjusted.poses.back();
@@ -122,6 +115,26 @@ void RigCalibrationFilter::reinitialisePitch(const EstimateWithStddev& pitch) {
   covariance_.row(RowPatterns::kPitch).setZero();
   covariance_.col(RowPatterns::kPitch).setZero();
   covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = square(pitch.stddev);
+}
+
+void RigCalibrationFilter::set(const RigStates& states) {
+  const auto set = [&](int index, const EstimateWithStddev& state) {
+    estimate_[index] = state.value;
+    covariance_.row(index).setZero();
+    covariance_.col(index).setZero();
+    covariance_(index, index) = square(state.stddev);
+  };
+  set(RowPatterns::kPitch, states.pitch);
+  set(RowPatterns::kRoll, states.roll);
+  // A short way shows no yaw: the estimate wanders, and the search for matches would follow it.
+  if (states.yaw.stddev < settings_.yaw_pattern_stddev) set(kYaw, states.yaw);
+}
+
+RigStates RigCalibrationFilter::states() const {
+  const auto state = [&](int index) {
+    return EstimateWithStddev{estimate_[index], std::sqrt(covariance_(index, index))};
+  };
+  return {state(RowPatterns::kPitch), state(kYaw), state(RowPatterns::kRoll)};
 }
 
 RowPatterns::Vector RigCalibrationFilter::expectedRows(const RigCorrection& applied) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/rig_calibration_error.hpp"
@@ -8,6 +9,18 @@
 #include "vo_core/self_calibration_settings.hpp"
 
 namespace cartvo::vo {
+
+/// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
+/// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
+/// non-negative garrote", 1998), zero for values below their standard deviation.
+inline double shrunk(double value, double variance) {
+  return value * value <= variance ? 0.0 : value - variance / value;
+}
+
+/// Errors of the right camera's rotation, rad.
+struct RigStates {
+  EstimateWithStddev pitch, yaw, roll;
+};
 
 /// Information filter for the errors of the rig's calibration while driving. Its state: pitch, roll, yaw, p2,
 /// delay, and the other errors that RowPatterns names. Rows of stereo matches measure all of them, of yaw and
@@ -30,6 +43,11 @@ class RigCalibrationFilter {
   /// Sets the pitch (rad) that was found after a bump, without correlations. Roll and yaw get the variance of
   /// a bump.
   void reinitialisePitch(const EstimateWithStddev& pitch);
+
+  /// Sets the states that another estimate has found, without correlations; a yaw only if it is measured.
+  void set(const RigStates& states);
+  /// Estimates with their deviations, without what the lenses leave.
+  RigStates states() const;
 
   /// Row patterns that the state lets expect in rows that were corrected by `applied`.
   RowPatterns::Vector expectedRows(const RigCorrection& applied) const;

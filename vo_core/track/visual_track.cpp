@@ -123,7 +123,7 @@ bool VisualTrack::estimatesRig() const {
 }
 
 std::optional<RigCalibrationError> VisualTrack::rigCalibrationError() const {
-  if (!estimatesRig() || usesWindow()) return std::nullopt;
+  if (!estimatesRig()) return std::nullopt;
   return estimates_.rig.error();
 }
 

@@ -222,11 +222,10 @@ OdometryReason VisualTrack::validate(const TrackedMotion& motion) const {
 RigCalibrationFilter VisualTrack::updatedRig(const BundleResult& result, const Draft& draft,
                                              const RigCorrection& applied) {
   RigCalibrationFilter rig = draft.estimates.rig;
-  if (!result.converged || !estimatesRig()) return rig;
+  if (!result.converged || !estimatesRig() || usesWindow()) return rig;
   const double time_step = secondsBetween(window_.back(), draft.window.back());
   rig.predict(time_step);
-  // The first guess of `estimator: window` leaves errors of rolling rows in the disparities.
-  if (!usesWindow()) rig.updateDisparities(bundle_, result, applied);
+  rig.updateDisparities(bundle_, result, applied);
   rig.updateRows(row_regression_.measure(bundle_, rig.expectedRows(applied)));
   return rig;
 }

@@ -14,9 +14,9 @@ constexpr double kKnownStddev = 1e-5;  // s, of a readout that is stated
 SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draft) const {
   const ReadoutEstimators& readouts = draft.estimates.readouts;
   const SelfCalibrationSettings& settings = settings_.self_calibration;
-  const RigCorrection rig = draft.estimates.rig.correction();
+  const RigStates rig = draft.estimates.rig.states();
   SharedPrior prior;
-  prior.mean << readouts.left.used(), readouts.right.used(), 0.0, rig.pitch, 0.0, rig.roll, 0.0, 0.0;
+  prior.mean << readouts.left.used(), readouts.right.used(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
   if (timing_.mayRoll()) {
     prior.stddev[kLeftReadout] = std::max(readouts.left.stddev(), kKnownStddev);
     prior.stddev[kRightReadout] = std::max(readouts.right.stddev(), kKnownStddev);
@@ -24,11 +24,13 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draf
   prior.stddev[kOffset] = pair.offset_stddev;
   prior.drift[kOffset] = pair.offset_stddev > 0.0 ? settings.delay_drift : 0.0;
   if (!estimatesRig()) return prior;
-  // Not yaw: what patches of near and far points have in common would be taken for it.
-  prior.stddev.segment<kRigStates>(kPitch) << settings.calibration_stddev, 0.0, settings.calibration_stddev,
-      settings.calibration_stddev, settings.skew_stddev;
+  prior.mean.segment<3>(kPitch) << rig.pitch.value, rig.yaw.value, rig.roll.value;
+  // What changes disparities, and so depths, begins as it is in a good calibration: a short way shows little.
+  const double pattern = settings.yaw_pattern_stddev;
+  prior.stddev.tail<kRigStates>() << rig.pitch.stddev, std::min(rig.yaw.stddev, pattern), rig.roll.stddev,
+      pattern, settings.skew_stddev;
   prior.drift.segment<kRigStates>(kPitch).setConstant(settings.rotation_drift);
-  prior.drift[kYaw] = 0.0;
+  prior.yaw_pattern = settings.yaw_pattern_stddev;
   return prior;
 }
 
@@ -70,11 +72,8 @@ void VisualTrack::setFrame(const TrackWindow::Pair& pair, WindowFrame& frame) co
 
 /// Sets the readouts and the row shifts of the window by its trajectory.
 void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft) {
-  const auto estimate = [&](SharedState state) -> EstimateWithStddev {
-    return {adjusted.shared[state], adjusted.shared_stddev[state]};
-  };
-  draft.estimates.readouts.left.set(estimate(kLeftReadout));
-  draft.estimates.readouts.right.set(estimate(kRightReadout));
+  draft.estimates.readouts.left.set(adjusted.estimate(kLeftReadout));
+  draft.estimates.readouts.right.set(adjusted.estimate(kRightReadout));
   timing_.setReadouts(draft.estimates.readouts.left.used(), draft.estimates.readouts.right.used());
   const std::size_t older = draft.window.size() - adjusted.pairs.size();
   draft.estimates.prediction_errors.update(draft.predictions, *draft.window.back().motion);
@@ -95,6 +94,9 @@ bool VisualTrack::adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMo
   for (const auto& [index, inverse_depth] : adjusted->inverse_depths)
     draft.landmarks[index].inverse_depth = inverse_depth;
   if (timing_.mayRoll()) timeByWindow(*adjusted, draft);
+  if (estimatesRig())
+    draft.estimates.rig.set(
+        {adjusted->estimate(kPitch), adjusted->estimate(kYaw), adjusted->estimate(kRoll)});
   motion.error = {};
   motion.error.by_landmarks = adjusted->motion_covariance;
   motion.error.codec_inflation = pair.pose_noise_inflation;

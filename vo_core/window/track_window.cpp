@@ -7,6 +7,7 @@
 #include <span>
 
 #include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/self_calibration/rig_calibration_filter.hpp"
 
 namespace cartvo::vo {
 namespace {
@@ -321,6 +322,16 @@ void TrackWindow::prepare(const TrackWindowInput& input) {
   addLandmarks(input);
 }
 
+/// Moves the other unknowns to where they are most likely with this yaw (rad).
+void TrackWindow::assumeYaw(double yaw, const WindowResult& result) {
+  WindowProblem& problem = next_.problem;
+  const Eigen::VectorXd step =
+      (yaw - problem.shared[kYaw]) / result.covariance(kYaw, kYaw) * result.covariance.col(kYaw);
+  problem.shared += step.head<kSharedStates>();
+  for (int i = 0; i < problem.trajectory.size(); ++i)
+    problem.trajectory.move(i, step.segment<6>(columnOf(i)));
+}
+
 std::optional<TrackWindow::Pair> TrackWindow::predict(const TrackWindowInput& input) {
   prepare(input);
   WindowProblem& problem = next_.problem;
@@ -355,7 +366,16 @@ std::optional<TrackWindow::Adjusted> TrackWindow::adjust(const TrackWindowInput&
   };
   mean_of(0, problem.jerk.translation);
   mean_of(1, problem.jerk.rotation);
-  return concluded(result);
+  // The rig file's yaw holds as long as the one found may be what the lenses leave: a landmark's patches in
+  // both images have errors in common that no residual shows.
+  const Trajectory trajectory = problem.trajectory;
+  const SharedVector shared = problem.shared;
+  const double yaw = shared[kYaw], pattern = input.shared.yaw_pattern;
+  if (pattern > 0.0) assumeYaw(shrunk(yaw, result.covariance(kYaw, kYaw) + pattern * pattern), result);
+  Adjusted adjusted = concluded(result);
+  problem.trajectory = trajectory;
+  problem.shared = adjusted.shared = shared;
+  return adjusted;
 }
 
 void TrackWindow::accept() {

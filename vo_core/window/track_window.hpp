@@ -21,6 +21,7 @@ namespace cartvo::vo {
 struct SharedPrior {
   SharedVector mean = SharedVector::Zero(), stddev = SharedVector::Zero();
   SharedVector drift = SharedVector::Zero();  ///< stddev after 1 s of a random walk
+  double yaw_pattern = 0.0;  ///< rad, stddev of what the lenses leave that resembles a yaw
 };
 
 /// The data that a pair of a track is adjusted with.
@@ -53,6 +54,7 @@ class TrackWindow {
     Matrix6d motion_covariance;  ///< of the motion to the newest pair; perturbation on the right
     WindowTwist twist;           ///< at the newest exposure
     SharedVector shared, shared_stddev;
+    EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }
     /// Inverse depths (1/m) in the anchor's camera at its exposure, by index into
     /// TrackWindowInput::landmarks.
     std::vector<std::pair<std::size_t, double>> inverse_depths;
@@ -85,6 +87,7 @@ class TrackWindow {
   void removeEnded(const TrackWindowInput& input);
   void addLandmarks(const TrackWindowInput& input);
   Adjusted concluded(const WindowResult& result) const;
+  void assumeYaw(double yaw, const WindowResult& result);
   void addDepths(Adjusted& adjusted) const;
 
   State state_, next_;

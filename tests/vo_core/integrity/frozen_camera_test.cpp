@@ -154,8 +154,8 @@ class FrozenAtStandstill : public testing::Test {
     return odometry_.process(images, observer_);
   }
   int pair() const { return pair_; }
-  void begin() {
-    odometry_ = odometryBy(Estimator::reprojection);
+  void begin(Estimator estimator = Estimator::reprojection) {
+    odometry_ = odometryBy(estimator);
     pair_ = 0;
   }
 
@@ -235,6 +235,24 @@ TEST_F(FrozenAtStandstill, IsNotDetectedWhenTheCartStopsSuddenly) {
       EXPECT_EQ(estimate.valid, i > 0) << i << ", " << late_ns;
     }
   }
+}
+
+/// No image measures the motion during a long standstill, but its end is at rest.
+TEST_F(FrozenAtStandstill, TheWindowKnowsTheVelocityAfterIt) {
+  begin(Estimator::window);
+  int moving = 0;
+  while (pair() < kStands + 12) {
+    const int i = pair();
+    const OdometryEstimate estimate = show(place(i), place(i));
+    if (i <= kStands || estimate.reasons == OdometryReason::zero_velocity) continue;
+    ++moving;
+    EXPECT_TRUE(estimate.valid) << i;
+    ASSERT_TRUE(estimate.twist);
+    const double velocity = 1e-9 * kPeriod * (i - kStands) * kAccelerates;
+    EXPECT_NEAR(estimate.twist->value[2], velocity, 0.1) << i;
+    EXPECT_LT(std::sqrt(estimate.twist->covariance(2, 2)), 0.15) << i;
+  }
+  EXPECT_GT(moving, 8);
 }
 
 TEST_F(FrozenAtStandstill, RightCameraIsUsedAgainAfterAPush) {

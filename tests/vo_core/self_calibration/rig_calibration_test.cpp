@@ -60,8 +60,10 @@ struct Driven {
   std::vector<OdometryEstimate> estimates;
 };
 
-Driven estimated(const std::vector<StereoImages>& pairs, int features) {
+Driven estimated(const std::vector<StereoImages>& pairs, int features,
+                 Estimator estimator = Estimator::reprojection) {
   OdometrySettings settings;
+  settings.estimator = estimator;
   settings.features = features;
   StereoOdometry odometry(kCamera, settings);
   NullStageObserver observer;
@@ -106,6 +108,24 @@ TEST(RigCalibrationError, FindsMostOfAYawWithinThreeMetres) {
   const RigCalibrationError error = driven({.yaw = yaw}, 0.0).error;
   EXPECT_LT(error.yaw.value, 0.6 * yaw);
   EXPECT_GT(error.yaw.value, 1.1 * yaw);
+}
+
+TEST(RigCalibrationError, IsFoundByTheWindow) {
+  const RigCorrection turned{.yaw = -0.3 * kRadiansPerDegree,
+                             .pitch = 0.3 * kRadiansPerDegree,
+                             .roll = -0.3 * kRadiansPerDegree};
+  const Driven result = estimated(drivenWith(turned, 0.0, kPairs), kFeatures, Estimator::window);
+  EXPECT_NEAR(result.error.pitch.value, turned.pitch, kTolerance);
+  EXPECT_LT(result.error.yaw.value, 0.6 * turned.yaw);
+  EXPECT_GT(result.error.yaw.value, 1.1 * turned.yaw);
+  EXPECT_NEAR(result.error.roll.value, turned.roll, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.03 * kTruePath);
+}
+
+TEST(RigCalibrationError, OfTheWindowIsNoneOfACorrectRig) {
+  const Driven result = estimated(drivenWith({}, 0.0, kPairs), kFeatures, Estimator::window);
+  EXPECT_NEAR(result.error.yaw.value, 0.0, kTolerance);
+  EXPECT_NEAR(result.path, kTruePath, 0.01 * kTruePath);
 }
 
 std::vector<StereoImages> atNight(std::vector<StereoImages> pairs) {

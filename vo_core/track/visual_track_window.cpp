@@ -25,7 +25,7 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draf
   prior.drift[kOffset] = pair.offset_stddev > 0.0 ? settings.delay_drift : 0.0;
   if (!estimatesRig()) return prior;
   prior.mean.segment<3>(kPitch) << rig.pitch.value, rig.yaw.value, rig.roll.value;
-  // What changes disparities, and so depths, begins as it is in a good calibration: a short way shows little.
+  // Yaw and p2 change depths, and a short way shows little of them: they begin as in a good calibration.
   const double pattern = settings.yaw_pattern_stddev;
   prior.stddev.tail<kRigStates>() << rig.pitch.stddev, std::min(rig.yaw.stddev, pattern), rig.roll.stddev,
       pattern, settings.skew_stddev;
@@ -39,14 +39,8 @@ TrackWindowInput VisualTrack::windowInput(const PreparedPair& pair, const Shared
                                           const Draft& draft) const {
   std::optional<Vector6d> rest;
   if (standing_) rest = standstill_.covariance().diagonal().cwiseSqrt() / secondsSinceLast(pair);
-  return {camera_,
-          timing_,
-          shared,
-          draft.estimates.still_regions,
-          draft.landmarks,
-          draft.window,
-          rest,
-          settings_.self_calibration.correlated_pairs};
+  return {camera_,         timing_,      shared, draft.estimates.still_regions,
+          draft.landmarks, draft.window, rest,   settings_.self_calibration.correlated_pairs};
 }
 
 /// Sets the newest pair's pose, and where its right camera is, by its left positions: the right ones are

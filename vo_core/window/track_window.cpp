@@ -12,8 +12,8 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr double kLeastJerk = 1.0;  // m/s^3 and rad/s^3
-constexpr double kJerkFreedom = 6.0;  // of the first values
+constexpr double kLeastJerk = 1.0;     // m/s^3 and rad/s^3
+constexpr double kJerkFreedom = 6.0;   // of the first values
 constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
 constexpr double kSpeed = 15.0;        // m/s and rad/s, stddev at a track's start
 constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
@@ -75,8 +75,7 @@ std::vector<double> timesOf(std::span<const WindowFrame> window, std::int64_t ep
 }
 
 /// Pose at a time (s) by those of a window: between pairs by their motion, beyond them at constant velocity.
-Eigen::Isometry3d poseOf(std::span<const WindowFrame> window, const std::vector<double>& times,
-                         double time) {
+Eigen::Isometry3d poseOf(std::span<const WindowFrame> window, const std::vector<double>& times, double time) {
   const auto after = std::upper_bound(times.begin() + 1, times.end() - 1, time);
   const auto i = static_cast<std::size_t>(after - times.begin());
   const Eigen::Isometry3d& from = window[i - 1].T_world_camera;
@@ -101,8 +100,8 @@ ExposureMotion motionAt(const Trajectory& trajectory, double time, double range)
 
 }  // namespace
 
-/// Whether `window` ends with this one and a new pair, which the trajectory can reach with a bounded number of
-/// knots.
+/// Whether `window` ends with this one and a new pair, which the trajectory can reach with a bounded number
+/// of knots.
 bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
   const auto& pairs = state_.problem.pairs;
   const Trajectory& trajectory = state_.problem.trajectory;
@@ -234,8 +233,8 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
         if (frame == nullptr) continue;
         item.T_world_host = frame->T_world_camera;
       }
-      const Eigen::Vector3d bearing = bearingOf(
-          input.camera, host != nullptr ? pixel : landmark.anchor().leftAtExposure());
+      const Eigen::Vector3d bearing =
+          bearingOf(input.camera, host != nullptr ? pixel : landmark.anchor().leftAtExposure());
       item.place << bearing.x(), bearing.y(), landmark.inverse_depth;
       item.level = landmark.level;
     }

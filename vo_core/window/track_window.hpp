@@ -21,7 +21,7 @@ namespace cartvo::vo {
 struct SharedPrior {
   SharedVector mean = SharedVector::Zero(), stddev = SharedVector::Zero();
   SharedVector drift = SharedVector::Zero();  ///< stddev after 1 s of a random walk
-  double yaw_pattern = 0.0;  ///< rad, stddev of what the lenses leave that resembles a yaw
+  double yaw_pattern = 0.0;                   ///< rad, stddev of what the lenses leave that resembles a yaw
 };
 
 /// The data that a pair of a track is adjusted with.

@@ -67,8 +67,7 @@ WindowJerkSums jerkOf(const WindowProblem& problem, const Eigen::MatrixXd& covar
 
 }  // namespace
 
-bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales,
-                        WindowNoiseSums* noise_sums) {
+bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales, WindowNoiseSums* noise_sums) {
   problem.prior.extendTo(problem.trajectory);
   for (std::size_t iteration = 0; iteration < scales.size(); ++iteration) {
     equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,

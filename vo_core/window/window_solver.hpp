@@ -37,8 +37,8 @@ class WindowSolver {
 };
 
 /// Ties the prior to a pose (m and rad; position in the world's axes, rotation on the right) of the
-/// trajectory at `time` (s), and the first knots to no velocity, with these deviations (m/s and rad/s), and to
-/// an acceleration that carts have.
+/// trajectory at `time` (s), and the first knots to no velocity, with these deviations (m/s and rad/s), and
+/// to an acceleration that carts have.
 void tieToStart(double time, const Eigen::Isometry3d& pose, const Matrix6d& covariance,
                 const Vector6d& velocity_stddev, WindowProblem& problem);
 

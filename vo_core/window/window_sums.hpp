@@ -56,7 +56,7 @@ class WindowSums {
   void copyTo(Eigen::MatrixXd& information, Eigen::VectorXd& gradient) const;
   /// A step in the order of WindowPrior, for stepOf().
   void setStep(const Eigen::VectorXd& step);
-  /// What an eliminated landmark's gradient becomes by the step, times the inverse root.
+  /// The gradient of an eliminated landmark after the step, times the inverse root.
   Eigen::Vector3d stepOf(std::size_t landmark) const;
 
   /// Inverse of a matrix of all unknowns by its root, lower triangular. Ends the use of the sums.

@@ -216,8 +216,9 @@ Errors drivenWith(const Drive& drive) {
     const Vector6d twist_error = adjusted->twist.value - twist;
     if (pair < 10) continue;
     const Eigen::Isometry3d right = truthAt(drive, pair * kPeriod + drive.offset);
-    errors.right_turn +=
-        vectorFromMotion(predicted->right.T_left_right.inverse() * to.inverse() * right).tail<3>().squaredNorm();
+    errors.right_turn += vectorFromMotion(predicted->right.T_left_right.inverse() * to.inverse() * right)
+                             .tail<3>()
+                             .squaredNorm();
     errors.depths = adjusted->inverse_depths.size();
     errors.depth = 0.0;
     for (const auto& [index, inverse_depth] : adjusted->inverse_depths)

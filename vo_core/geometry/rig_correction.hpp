@@ -35,6 +35,13 @@ struct RigCorrection {
   }
 };
 
+/// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
+/// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
+/// non-negative garrote", 1998), zero for values below their standard deviation.
+inline double shrunk(double value, double variance) {
+  return value * value <= variance ? 0.0 : value - variance / value;
+}
+
 /// Corrected right pixel: where a right camera as calibrated would observe the point; to first order.
 inline Eigen::Vector2d correctedRight(const StereoCamera& camera, const RigCorrection& correction,
                                       const Eigen::Vector2d& pixel) {

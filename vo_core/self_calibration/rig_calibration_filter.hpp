@@ -1,21 +1,14 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
 #include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/self_calibration/row_measurement.hpp"
 #include "vo_core/self_calibration_settings.hpp"
 
 namespace cartvo::vo {
-
-/// The value times the least squares factor m^2 / (m^2 + variance) on a measurement of m, with value^2 -
-/// variance in place of m^2: the non-negative garrote (H. Gao, "Wavelet shrinkage denoising using the
-/// non-negative garrote", 1998), zero for values below their standard deviation.
-inline double shrunk(double value, double variance) {
-  return value * value <= variance ? 0.0 : value - variance / value;
-}
 
 /// Errors of the right camera's rotation, rad.
 struct RigStates {

@@ -81,10 +81,10 @@ bool setEquations(const WindowProblem& problem, const WindowBand& band, const Wi
   Seen seen;
   const double left_after = problem.leftTime(observation.pair, observation.left_share) - band.left_time;
   if (!see(problem.camera, band.left, left_after, 0.0, landmark, seen)) return false;
-  const auto precisionOf = [&](double of_scale) {
+  const auto precision_of = [&](double of_scale) {
     return (scale * of_scale * observation.relative_noise).cwiseAbs2().cwiseInverse();
   };
-  equations.precision.head<2>() = precisionOf(noise.left);
+  equations.precision.head<2>() = precision_of(noise.left);
   equations.by_state.block<2, 3>(0, kRowLeftPosition) = seen.by_position;
   equations.by_state.block<2, 1>(0, kRowLeftReadout) = observation.left_share * seen.by_time;
   equations.by_state.block<2, 3>(0, kRowLeftTurn) = seen.by_turn;
@@ -95,7 +95,7 @@ bool setEquations(const WindowProblem& problem, const WindowBand& band, const Wi
   const double right_after = problem.rightTime(observation.pair, observation.right_share) - band.right_time;
   if (!see(problem.camera, band.right, right_after, problem.camera.baseline, landmark, seen)) return false;
   const Eigen::Matrix<double, 2, kRigStates> by_rig = correctionByRig(problem.camera, observation.right);
-  equations.precision.tail<2>() = precisionOf(noise.right);
+  equations.precision.tail<2>() = precision_of(noise.right);
   equations.by_state.block<2, 3>(2, kRowRightPosition) = seen.by_position;
   equations.by_state.block<2, 3>(2, kRowRightTurn) = seen.by_turn;
   equations.by_state.block<2, 1>(2, kRowRightReadout) = observation.right_share * seen.by_time;

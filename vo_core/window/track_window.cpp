@@ -7,7 +7,7 @@
 #include <span>
 
 #include "vo_core/geometry/reprojection.hpp"
-#include "vo_core/self_calibration/rig_calibration_filter.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
 
 namespace cartvo::vo {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "vo_core/geometry/exposure_motion.hpp"
 #include "vo_core/integrity/still_regions.hpp"
+#include "vo_core/rig_calibration_error.hpp"
 #include "vo_core/tracking/landmark.hpp"
 #include "vo_core/tracking/row_correction.hpp"
 #include "vo_core/tracking/window_frame.hpp"

@@ -111,23 +111,21 @@ void RigCalibrationFilter::updateDisparities(const BundleProblem& adjusted, cons
 void RigCalibrationFilter::reinitialisePitch(const EstimateWithStddev& pitch) {
   for (const int angle : {int{RowPatterns::kRoll}, int{kYaw}})
     bump(angle);
-  estimate_[RowPatterns::kPitch] = pitch.value;
-  covariance_.row(RowPatterns::kPitch).setZero();
-  covariance_.col(RowPatterns::kPitch).setZero();
-  covariance_(RowPatterns::kPitch, RowPatterns::kPitch) = square(pitch.stddev);
+  setState(RowPatterns::kPitch, pitch);
+}
+
+void RigCalibrationFilter::setState(int index, const EstimateWithStddev& state) {
+  estimate_[index] = state.value;
+  covariance_.row(index).setZero();
+  covariance_.col(index).setZero();
+  covariance_(index, index) = square(state.stddev);
 }
 
 void RigCalibrationFilter::set(const RigStates& states) {
-  const auto set = [&](int index, const EstimateWithStddev& state) {
-    estimate_[index] = state.value;
-    covariance_.row(index).setZero();
-    covariance_.col(index).setZero();
-    covariance_(index, index) = square(state.stddev);
-  };
-  set(RowPatterns::kPitch, states.pitch);
-  set(RowPatterns::kRoll, states.roll);
+  setState(RowPatterns::kPitch, states.pitch);
+  setState(RowPatterns::kRoll, states.roll);
   // A short way shows no yaw: the estimate wanders, and the search for matches would follow it.
-  if (states.yaw.stddev < settings_.yaw_pattern_stddev) set(kYaw, states.yaw);
+  if (states.yaw.stddev < settings_.yaw_pattern_stddev) setState(kYaw, states.yaw);
 }
 
 RigStates RigCalibrationFilter::states() const {

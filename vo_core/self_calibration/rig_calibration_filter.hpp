@@ -70,6 +70,8 @@ class RigCalibrationFilter {
 
   void update(const Equations& equations);
   void bump(int index);
+  /// Sets one state without correlations.
+  void setState(int index, const EstimateWithStddev& state);
   Equations equationsOf(const RowMeasurement& rows) const;
   RowPatterns::Vector patternVariances() const;
   RigCorrection limited(RigCorrection correction) const;

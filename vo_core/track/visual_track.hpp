@@ -195,10 +195,11 @@ class VisualTrack {
                                   const RigCorrection& applied);
 
   // visual_track_window.cpp
-  TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared, const Draft& draft) const;
+  TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared,
+                               const Estimates& estimates, const Draft& draft) const;
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   bool adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  SharedPrior sharedPrior(const PreparedPair& pair, const Draft& draft) const;
+  SharedPrior sharedPrior(const PreparedPair& pair, const Estimates& estimates) const;
   void setFrame(const TrackWindow::Pair& pair, WindowFrame& frame) const;
   void timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft);
 

@@ -11,10 +11,10 @@ constexpr double kKnownStddev = 1e-5;  // s, of a readout that is stated
 }  // namespace
 
 /// Knowledge of the cameras before a window: readouts and rig as estimated so far.
-SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draft) const {
-  const ReadoutEstimators& readouts = draft.estimates.readouts;
+SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Estimates& estimates) const {
+  const ReadoutEstimators& readouts = estimates.readouts;
   const SelfCalibrationSettings& settings = settings_.self_calibration;
-  const RigStates rig = draft.estimates.rig.states();
+  const RigStates rig = estimates.rig.states();
   SharedPrior prior;
   prior.mean << readouts.left.used(), readouts.right.used(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
   if (timing_.mayRoll()) {
@@ -30,27 +30,27 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Draft& draf
   prior.stddev.tail<kRigStates>() << rig.pitch.stddev, std::min(rig.yaw.stddev, pattern), rig.roll.stddev,
       pattern, settings.skew_stddev;
   prior.drift.segment<kRigStates>(kPitch).setConstant(settings.rotation_drift);
-  prior.yaw_pattern = settings.yaw_pattern_stddev;
+  prior.yaw_pattern = pattern;
   return prior;
 }
 
-/// Keeps references to `shared` and to the draft.
+/// Keeps references to the arguments.
 TrackWindowInput VisualTrack::windowInput(const PreparedPair& pair, const SharedPrior& shared,
-                                          const Draft& draft) const {
+                                          const Estimates& estimates, const Draft& draft) const {
   std::optional<Vector6d> rest;
   if (standing_) rest = standstill_.covariance().diagonal().cwiseSqrt() / secondsSinceLast(pair);
-  return {camera_,         timing_,      shared, draft.estimates.still_regions,
+  return {camera_,         timing_,      shared, estimates.still_regions,
           draft.landmarks, draft.window, rest,   settings_.self_calibration.correlated_pairs};
 }
 
 /// Sets the newest pair's pose, and where its right camera is, by its left positions: the right ones are
 /// searched there.
 void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
-  draft.estimates = estimates_;
-  const auto newest = track_window_.predict(windowInput(pair, sharedPrior(pair, draft), draft));
+  const auto newest =
+      track_window_.predict(windowInput(pair, sharedPrior(pair, estimates_), estimates_, draft));
   if (!newest) return;
   setFrame(*newest, draft.window.back());
-  if (timing_.isRolling()) correctNewestRows(draft, newest->T_world_camera);
+  correctNewestRows(draft, newest->T_world_camera);
 }
 
 /// Sets a pair's pose, and its motions about both exposures.
@@ -78,7 +78,8 @@ void VisualTrack::timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& dra
 /// Replaces the adjusted poses, depths and covariances by those of the window of `estimator: window`. False
 /// if its geometry is degenerate.
 bool VisualTrack::adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  const auto adjusted = track_window_.adjust(windowInput(pair, sharedPrior(pair, draft), draft));
+  const auto adjusted =
+      track_window_.adjust(windowInput(pair, sharedPrior(pair, draft.estimates), draft.estimates, draft));
   if (!adjusted) return false;
   const std::size_t older = draft.window.size() - adjusted->pairs.size();
   for (std::size_t i = 0; i < adjusted->pairs.size(); ++i) {

@@ -40,8 +40,8 @@ RowPair rowPairOf(const WindowFrame& frame, double baseline, double range,
                   const std::vector<WindowFrame>& window) {
   if (!frame.motion) return {};
   const Eigen::Isometry3d T_world_right =
-      frame.T_world_camera *
-      (frame.right ? frame.right->T_left_right : frame.motion->at(frame.offset) * leftFromRight(baseline));
+      frame.right ? frame.T_world_camera * frame.right->T_left_right
+                  : frame.T_world_camera * frame.motion->at(frame.offset) * leftFromRight(baseline);
   return {true, rowCameraOf(*frame.motion, frame.T_world_camera, window),
           rowCameraOf(rightMotionOf(frame, baseline, range), T_world_right, window)};
 }

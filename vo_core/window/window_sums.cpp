@@ -168,8 +168,8 @@ void invertTriangular(std::size_t count, std::size_t stride, double* rows) {
   for (std::size_t i = 0; i < count; ++i) {
     double* const own = rows + i * stride;
     const double by_pivot = 1.0 / own[i];
-    for (std::size_t j = 0; j <= i;
-         j += kDoubleLanes) {  // uses those from j on, and then replaces four of them
+    // Four columns use those of the row from theirs on, and then replace them.
+    for (std::size_t j = 0; j <= i; j += kDoubleLanes) {
       DoubleLanes sum{};
       for (std::size_t k = j; k < i; ++k)
         sum -= own[k] * lanesAt(rows + k * stride + j);

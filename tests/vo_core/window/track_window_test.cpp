@@ -289,7 +289,7 @@ TEST(TrackWindow, FollowsAMountThatShakes) {
   EXPECT_LT(std::sqrt(errors.turn / errors.pairs), 0.07e-3);
 }
 
-// Half a pixel, which the search along rows allows, is 1 mrad; constant velocity errs by 7 mrad.
+// Half a pixel, which the search along rows allows, is 1 mrad.
 TEST(TrackWindow, PredictsTheRightCameraOfAMountThatShakes) {
   const Errors errors = drivenWith({.offset = 0.017, .shake = 0.005});
   EXPECT_EQ(errors.failed, 0);

@@ -78,7 +78,6 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
   motion.velocity = twist.head<3>() / estimate.time_step;
   motion.angular_velocity = twist.tail<3>() / estimate.time_step;
   const vo::Matrix6d J = inverseRightJacobian(twist) * Ad / estimate.time_step;
-  motion.twist_offset_error = J * estimate.motion_offset_error;
   motion.twist_scale_error = J * scaleError(estimate.T_previous_current, scale_stddev);
   motion.twist_covariance = J * estimate.motion_covariance * J.transpose() +
                             motion.twist_scale_error * motion.twist_scale_error.transpose();
@@ -95,7 +94,6 @@ void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::I
   vo::Vector6d scale_error = vo::Vector6d::Zero();
   scale_error.head<3>() = scale_stddev * twist.value.head<3>();
   motion.twist_scale_error = Ad * scale_error;
-  motion.twist_offset_error.setZero();
   motion.twist_covariance = Ad * twist.covariance * Ad.transpose() +
                             motion.twist_scale_error * motion.twist_scale_error.transpose();
 }
@@ -105,7 +103,6 @@ void eraseTwist(BodyMotion& motion) {
   motion.velocity.setConstant(kUnknown);
   motion.angular_velocity.setConstant(kUnknown);
   motion.twist_covariance.setConstant(kUnknown);
-  motion.twist_offset_error.setConstant(kUnknown);
   motion.twist_scale_error.setConstant(kUnknown);
 }
 

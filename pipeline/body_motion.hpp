@@ -16,10 +16,8 @@ struct BodyMotion {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body's origin, in body axes, m/s
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw rate in body axes, rad/s
   vo::Matrix6d twist_covariance = vo::Matrix6d::Zero();
-  /// Error of the twist for a time offset that is off by one standard deviation. Its outer product is part of
+  /// Error of the twist for a rig scale that is off by one standard deviation. Its outer product is part of
   /// twist_covariance; consecutive velocities share this error. NaN if there is no velocity.
-  vo::Vector6d twist_offset_error = vo::Vector6d::Zero();
-  /// Error of the twist for a rig scale that is off by one standard deviation; otherwise as above.
   vo::Vector6d twist_scale_error = vo::Vector6d::Zero();
 };
 
@@ -31,8 +29,7 @@ BodyMotion bodyMotion(const vo::OdometryEstimate& estimate, const Eigen::Isometr
                       double scale_stddev = 0.0);
 
 /// Replaces velocity, rates and their covariance by the twist at the exposure, `twist` in the axes of the
-/// rectified left camera. An error of the time offset is part of the twist's covariance and not known
-/// separately: twist_offset_error is zero.
+/// rectified left camera.
 void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::Isometry3d& T_body_rectified,
               double scale_stddev);
 

@@ -82,9 +82,8 @@ class PairProcessor::Implementation {
     Twist mean;
     mean.value << result.motion.velocity, result.motion.angular_velocity;
     // Errors shared by consecutive velocities are not noise of their change.
-    const vo::Vector6d& by_offset = result.motion.twist_offset_error;
     const vo::Vector6d& by_scale = result.motion.twist_scale_error;
-    const vo::Matrix6d shared = by_offset * by_offset.transpose() + by_scale * by_scale.transpose();
+    const vo::Matrix6d shared = by_scale * by_scale.transpose();
     mean.covariance = result.motion.twist_covariance - shared;
     const Twist now = velocity_.extrapolate(mean, time_step);
     result.motion.velocity = now.value.head<3>();

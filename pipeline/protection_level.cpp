@@ -77,12 +77,7 @@ LimitedBound worstBound(const ProtectionLevel& level, const AlertLimits& limits)
 
 ProtectionLevels::ProtectionLevels(const Eigen::Isometry3d& T_body_rectified, double scale_stddev,
                                    const vo::UncertaintySettings& uncertainty)
-    : T_body_rectified_(T_body_rectified), scale_stddev_(scale_stddev), uncertainty_(uncertainty) {
-  // The core divides the noise of a pose relative to its landmarks into a part that is independent in each
-  // pair and the drift. Here the covariances are those of motions, which are independent as a whole beside
-  // the drift.
-  uncertainty_.independent_noise_ratio = 1.0;
-}
+    : T_body_rectified_(T_body_rectified), scale_stddev_(scale_stddev), uncertainty_(uncertainty) {}
 
 ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, const BodyMotion& motion) {
   if (estimate.reset_counter != epoch_) {
@@ -109,11 +104,8 @@ ProtectionLevel ProtectionLevels::update(const vo::OdometryEstimate& estimate, c
 }
 
 void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
-  const vo::Vector6d &by_offset = estimate.motion_offset_error, &by_readout = estimate.motion_readout_error;
-  const vo::Matrix6d common = by_offset * by_offset.transpose() + by_readout * by_readout.transpose();
   motions_.push_back({newest_valid_, estimate.reasons == vo::OdometryReason::zero_velocity,
-                      estimate.time_step, estimate.T_previous_current, estimate.motion_covariance - common,
-                      by_offset, by_readout});
+                      estimate.time_step, estimate.T_previous_current, estimate.motion_covariance});
   newest_valid_ = false;
   double duration = 0.0;
   for (const Motion& motion : motions_)
@@ -124,32 +116,23 @@ void ProtectionLevels::add(const vo::OdometryEstimate& estimate) {
   }
 }
 
-/// In the axes of the rectified camera. An error of the time offset or of readouts is common to all motions,
-/// and counts as an independent one in each too, so that it does not cancel when the cart turns left and
-/// right, as in the core. An error of the rig's scale makes all distances too long by the same fraction.
+/// In the axes of the rectified camera. An error of the rig's scale makes all distances too long by the same
+/// fraction.
 ProtectionLevels::LastSecond ProtectionLevels::lastSecond() const {
   vo::PoseUncertainty uncertainty;
   // The first motions of a track are uncertain because they are the first, not because they drift.
-  uncertainty.drift = uncertainty_.drift_ratio * motions_.back().noise;
-  vo::Vector6d by_offset = vo::Vector6d::Zero(), by_readout = vo::Vector6d::Zero();
+  uncertainty.drift = uncertainty_.drift_ratio * motions_.back().covariance;
   Eigen::Isometry3d T_start_current = Eigen::Isometry3d::Identity();
   const auto oldest_valid = std::find_if(motions_.begin(), std::prev(motions_.end()),
                                          [](const Motion& motion) { return motion.starts_valid; });
   for (auto it = oldest_valid; it != motions_.end(); ++it) {
     const Motion& motion = *it;
-    uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current,
-                                  {.pairs = 1, .noise = motion.noise, .patch_motion = 1.0}, uncertainty_);
-    uncertainty.pose += motion.offset_error * motion.offset_error.transpose() +
-                        motion.readout_error * motion.readout_error.transpose();
-    const vo::Matrix6d carried = vo::adjoint(motion.T_previous_current.inverse());
-    by_offset = carried * by_offset + motion.offset_error;
-    by_readout = carried * by_readout + motion.readout_error;
+    uncertainty =
+        vo::afterMotion(uncertainty, motion.T_previous_current, motion.covariance, uncertainty_);
     T_start_current = T_start_current * motion.T_previous_current;
   }
   const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);
-  return {uncertainty.pose + by_offset * by_offset.transpose() + by_readout * by_readout.transpose() +
-              by_scale * by_scale.transpose(),
-          T_start_current.translation().norm()};
+  return {uncertainty.pose + by_scale * by_scale.transpose(), T_start_current.translation().norm()};
 }
 
 }  // namespace cartvo::pipeline

@@ -82,8 +82,7 @@ class ProtectionLevels {
     bool stands = false;        ///< by a zero-velocity update
     double time_step = 0.0;
     Eigen::Isometry3d T_previous_current;
-    vo::Matrix6d noise;  ///< covariance without the errors by the time offset and the readouts
-    vo::Vector6d offset_error, readout_error;  ///< OdometryEstimate::motion_offset_error, ...
+    vo::Matrix6d covariance;
   };
 
   struct LastSecond {

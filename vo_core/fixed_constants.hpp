@@ -67,33 +67,10 @@ namespace cartvo::vo {
   X(pitch_search, kRowNoise, 0.15, "px", "least error of rows, of good lenses")                              \
   X(pitch_search, kSearchInterval, 20, "pairs", "the search takes some milliseconds")                        \
   X(pitch_search, kMaximumPitch, 0.0105, "rad", "0.6 degrees, up to which self-calibration corrects")        \
-  X(readout, kShortestReadout, 5e-3, "s", "no sensor is that fast: a shorter one is a global shutter")       \
-  X(readout, kLongestUnknownReadout, 45e-3, "s", "of a sensor of 25 pictures a second, and a margin")        \
-  X(readout, kSharingImages, 5.0, "", "images whose motions share the poses of a polynomial, and so errors") \
-  X(readout, kAssumedFreedom, 50.0, "images",                                                                \
-    "that the assumed scatter counts as, and over which it is averaged")                                     \
-  X(readout, kDrift, 0.02, "", "random walk from image to image, in standard deviations of the model")       \
-  X(readout, kMissingShare, 0.4, "",                                                                         \
-    "of a change, by which it may fall short: poses follow rows timed wrongly")                              \
-  X(readout, kSignificance, 3.0, "",                                                                         \
-    "standard deviations by which two readouts must differ to count as different")                           \
-  X(track_adjustment, kMinimumFixedPoses, 3, "", "with fewer only the newest pose is free")                  \
   X(track_adjustment, kLeastStereoShare, 0.2, "",                                                            \
     "of landmarks: a fifth of unrelated pictures, as of hot pixels, matches by chance")                      \
   X(track_adjustment, kStopTolerance, 2.0, "", "on the limits of a standstill, for the noise of a motion")   \
   X(track_adjustment, kLongestStep, 0.1, "s", "the gate of an uncertain motion grows no more beyond")        \
-  X(track_adjustment, kScaleByReadout, 0.7, "1/s",                                                           \
-    "scale changes by 2.2 % for 32 ms (docs/rolling-shutter.md)")                                            \
-  X(track_adjustment, kMinimumRigChange, 0.02, "px",                                                         \
-    "change of the correction that requires a new adjustment")                                               \
-  X(track_rows, kFirstWindow, std::size_t{5}, "pairs",                                                       \
-    "of a window: the first depths are those of an unknown motion")                                          \
-  X(track_rows, kRowsBeyondPoses, 3.0, "", "in changes of velocity between two pairs: rows scatter")         \
-  X(track_rows, kSmallChange, 0.1, "", "of the readout, without loss of what its rows have told of motions") \
-  X(track_rows, kCheckInterval, 4, "pairs", "from one check of a known readout to the next")                 \
-  X(track_rows, kReadoutNeighbours, 2, "pairs",                                                              \
-    "to each side: the polynomial through them is the better known motion")                                  \
-  X(track_rows, kRowShare, 0.15, "", "of the readout: half of the rows' RMS, whose errors partly cancel")    \
   X(protection, kBoundFactor, 3.9, "",                                                                       \
     "normal errors exceed it, to either side, with a probability of 1e-4")                                   \
   X(protection, kUnannouncedJerk, 50.0, "m/s^3, rad/s^3",                                                    \

@@ -83,11 +83,6 @@ struct OdometryEstimate {
   /// if invalid.
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d motion_covariance = Matrix6d::Zero();
-  /// Error of the motion for a time offset that is wrong by one standard deviation. Its outer product is part
-  /// of motion_covariance. It is correlated between consecutive motions.
-  Vector6d motion_offset_error = Vector6d::Zero();
-  /// The same for the readouts, while they are unknown.
-  Vector6d motion_readout_error = Vector6d::Zero();
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the start of the epoch
   FeatureCounts counts;

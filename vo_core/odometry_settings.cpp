@@ -49,7 +49,6 @@ void validate(const OdometrySettings& settings) {
   requireRange("detection.levels", detection.levels, 1, kLandmarkLevels);
   requireRange("detection.maximum_threshold", detection.maximum_threshold, detection.minimum_threshold, 254);
   requireRange("tracking.iterations", settings.tracking.iterations, 1, 100);
-  requireRange("bundle.free_frames", settings.bundle.free_frames, 1, settings.bundle.frames);
   requireRange("stereo.maximum_disparity", settings.stereo.maximum_disparity, 16, 1024);
   validate(settings.motion);
   requireRange("refinement.frames", settings.refinement.frames, 1, kMaximumRefinementFrames);

@@ -10,9 +10,8 @@ namespace cartvo::vo {
 
 /// Method that estimates the motion.
 enum class Estimator : std::uint8_t {
-  reprojection,  ///< robust least squares on the reprojection error in both images over a window of pairs
+  reprojection,  ///< the most likely continuous trajectory by reprojection errors in both images of a window
   thesis,        ///< Horn's absolute orientation on weighted 3D-3D pairs (thesis 4.15, 4.16)
-  window,        ///< as reprojection, but one likelihood of a continuous trajectory, its past marginalised
 };
 
 /// Number of pyramid levels that landmark patches are taken from: the full image and its half.
@@ -100,30 +99,14 @@ struct PoseSearchSettings {
 
 constexpr int kMaximumWindowPairs = 8;  ///< capacity of the window, the newest pair included
 
-/// Bundle adjustment over the window of pairs.
-struct BundleSettings {
-  int frames = 7;       ///< pairs in the window, less than kMaximumWindowPairs
-  int free_frames = 2;  ///< newest pairs whose poses are estimated; the older ones are fixed
-  /// Weight of the prior on published, still free poses; below 1 because their observations are used again.
-  /// 0: no prior.
-  double prior_weight = 0.3;
-  /// Weight of residuals against fixed poses: left positions in them, and depths from earlier anchors. Below
-  /// 1 because the error of a fixed pose, which all landmarks share, is not modelled. 1: full weight.
-  double fixed_pose_weight = 0.2;
-  int iterations = 4;         ///< maximum number of iterations
-  double convergence = 0.1;   ///< standard deviations, rms of a step of the poses that ends the iteration
-  double robust_width = 1.5;  ///< standard deviations of a residual that halve its weight
+/// The window of pairs whose motion is adjusted.
+struct WindowSettings {
+  int pairs = 7;  ///< less than kMaximumWindowPairs
 };
 
-/// Uncertainty of motions and poses (docs/how-it-works.md, section 8).
+/// Growth of errors over motions (docs/how-it-works.md, section 8).
 struct UncertaintySettings {
-  double motion_noise_factor = 0.56;    ///< on the covariance of a motion by its landmarks
-  double first_motion_inflation = 9.0;  ///< part of the factor of a track's first motion beyond 1
-  /// Of the scale of depths, which disparities do not observe; with rolling shutters also of its tilt over
-  /// the columns.
-  double scale_stddev = 0.05;
-  double independent_noise_ratio = 0.5;   ///< share of a pose's noise that is independent in each pair
-  double drift_ratio = 0.2;               ///< drift per pair, of a pose's noise, at full image motion
+  double drift_ratio = 0.2;               ///< drift per pair, of a motion's noise, at full image motion
   double drift_correlation_pairs = 40.0;  ///< pairs until e^-1 of the drift is left
 };
 
@@ -134,14 +117,6 @@ struct StandstillSettings {
   double least_time = 0.25;     ///< s, minimum duration
   double motion_significance =
       5.0;  ///< standard deviations; the limits above are as many of a motion at a standstill
-};
-
-/// Motion about exposures from the rows of rolling-shutter images.
-struct RollingShutterSettings {
-  double jerk_variance = 6.0;          ///< (m/s^3)^2 and (rad/s^3)^2, of the first pairs
-  double unknown_velocity = 3.0;       ///< m/s and rad/s, stddev with one pose; per s with two
-  double depth_offset_stddev = 0.015;  ///< 1/m, of their offset, and its tilt over the rows
-  double prior_freedom = 4.0;          ///< degrees of freedom of the expected motion's t distribution
 };
 
 /// Self-calibration of the rig.
@@ -174,10 +149,10 @@ struct OdometrySettings {
   HistorySettings history;
   RefinementSettings refinement;                          ///< `estimator: thesis` only
   PoseSearchSettings pose_search;                         ///< `estimator: reprojection` only
-  BundleSettings bundle;                                  ///< `estimator: reprojection` only
+  WindowSettings window;                                  ///< `estimator: reprojection` only
   UncertaintySettings uncertainty;                        ///< `estimator: reprojection` only
   StandstillSettings standstill;                          ///< `estimator: reprojection` only
-  RollingShutterSettings rolling_shutter;                 ///< `estimator: reprojection` only
+  double unknown_velocity = 3.0;  ///< m/s, stddev before the first motion; `estimator: reprojection` only
   RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
   SelfCalibrationSettings self_calibration;               ///< `estimator: reprojection` only
   ValiditySettings validity;

@@ -200,25 +200,31 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
   }
   const std::optional<PoseShift> before = codec_shift_;
   Eigen::Isometry3d& T = motion.T_previous_current;
-  codec_shift_ = codec_errors_.update(pair.key_frames, {vectorFromMotion(T), motion.stddevByLandmarks(),
-                                                        motion.time_step, motion.noiseIsUncalibrated()});
+  codec_shift_ = codec_errors_.update(pair.key_frames, {vectorFromMotion(T), motion.stddevByWindow(),
+                                                        motion.time_step, motion.noise_is_uncalibrated});
   if (before) {
     const Matrix6d carried = adjoint(T.inverse());
-    motion.error.by_codec_shift += carried * before->variance.asDiagonal() * carried.transpose();
+    motion.by_codec_shift += carried * before->variance.asDiagonal() * carried.transpose();
     T = motionFromVector(before->value) * T;
   }
   if (!codec_shift_) return;
-  motion.error.by_codec_shift += codec_shift_->variance.asDiagonal();
+  motion.by_codec_shift += codec_shift_->variance.asDiagonal();
   T = withoutShift(T, *codec_shift_);
 }
 
 /// Estimates of the running track, with the rig calibration of the newest track, even if that track
 /// fails: a search for the pitch is not repeated soon.
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
-  if (!track_)
-    return {RigCalibrationFilter(settings_.self_calibration),
-            {timing_.shutters(), settings_.self_calibration},
+  if (!track_) {
+    const auto readout_of = [this](const Shutter& shutter) {
+      return EstimateWithStddev{shutter.readout, shutter.isStated()
+                                                     ? settings_.self_calibration.readout_stddev
+                                                     : shutter.readout_stddev};
+    };
+    const auto& [left, right] = timing_.shutters();
+    return {RigCalibration(settings_.self_calibration), {readout_of(left), readout_of(right)},
             StillRegions(camera_)};
+  }
   LearntByTracks learnt = track_->learnt();
   if (candidate_track_) learnt.rig = candidate_track_->rig();
   return learnt;
@@ -295,9 +301,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
   if (!estimate.valid) return estimate;
   estimate.time_step = motion.time_step;
   estimate.T_previous_current = motion.T_previous_current;
-  estimate.motion_covariance = motion.error.covariance();
-  estimate.motion_offset_error = motion.error.by_offset;
-  estimate.motion_readout_error = motion.error.by_readout;
+  estimate.motion_covariance = motion.covariance();
   estimate.twist = motion.twist;
   return estimate;
 }

@@ -41,9 +41,8 @@ constexpr std::array<std::pair<const char*, RecordingStart>, 2> kRecordingStarts
     {{"automatic", RecordingStart::automatic}, {"by_hand", RecordingStart::by_hand}}};
 constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
     {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
-constexpr std::array<std::pair<const char*, vo::Estimator>, 3> kEstimators{
+constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{
     {{"reprojection", vo::Estimator::reprojection},
-     {"window", vo::Estimator::window},
      {"thesis", vo::Estimator::thesis}}};
 
 template <typename Value, std::size_t count>

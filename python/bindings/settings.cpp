@@ -116,7 +116,6 @@ vo::OdometrySettings settingsOf(const py::kwargs& named) {
 void bindSettings(py::module_& module) {
   py::enum_<vo::Estimator>(module, "Estimator", "Method that estimates the motion.")
       .value("REPROJECTION", vo::Estimator::reprojection)
-      .value("WINDOW", vo::Estimator::window)
       .value("THESIS", vo::Estimator::thesis);
   py::enum_<vo::RigRefinement>(module, "RigRefinement", "Self-calibration of the rig.")
       .value("OFF", vo::RigRefinement::off)

@@ -19,7 +19,7 @@ PointBlock blockOf(const PoseProblem& problem, const int* points, int count) {
     for (int axis = 0; axis < 2; ++axis)
       block.left[axis][lane] = point.left[axis];
     block.weight[lane] = point.weight;
-    block.noise[lane] = std::pow(problem.noise[point.level].pixel, 2) + point.row_noise * point.row_noise;
+    block.noise[lane] = std::pow(problem.noise[point.level], 2) + point.row_noise * point.row_noise;
   }
   return block;
 }

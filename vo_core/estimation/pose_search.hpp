@@ -1,14 +1,17 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "vo_core/estimation/bundle_adjustment.hpp"
+#include "vo_core/geometry/fixed_vector.hpp"
 #include "vo_core/geometry/subset_random.hpp"
 #include "vo_core/odometry_settings.hpp"
+#include "vo_core/rigid_motion.hpp"
+#include "vo_core/stereo_camera.hpp"
 
 // RANSAC search for the pose of the current pair.
 
@@ -37,10 +40,9 @@ struct PoseProblem {
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();      ///< first guess of T_world_camera
   Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();   ///< centre of the motion gate
   std::vector<PosePoint> points;
-  /// Noise of left positions for each pyramid level; only BundleNoise::pixel is used. The noise of the single
-  /// patch is ignored: a gate that opens for blurred patches admits wrong matches
-  /// (docs/architecture.md).
-  BundleNoises noise;
+  /// px, stddev of each coordinate of left positions for each pyramid level. The noise of the single patch is
+  /// ignored: a gate that opens for blurred patches admits wrong matches (docs/architecture.md).
+  std::array<double, kLandmarkLevels> noise{0.1, 0.1};
   /// Motion gate: largest difference from `expected` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;
 };

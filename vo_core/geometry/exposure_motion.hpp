@@ -44,51 +44,10 @@ struct ExposureMotion {
   }
 };
 
-/// Information of the rows of a pair's images on the motion about its left exposure: velocity, acceleration,
-/// angular jerk.
-struct RowInformation {
-  static constexpr int kSize = 15;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-
-  Matrix information = Matrix::Zero();  ///< inverse covariance; singular where the rows tell nothing
-  Vector gradient = Vector::Zero();     ///< information times motion
-};
-
-/// Components of a motion in the order of RowInformation, and the motion of such components.
-RowInformation::Vector vectorOf(const ExposureMotion& motion);
-ExposureMotion motionOf(const RowInformation::Vector& components);
-
-/// Prior of a motion, in the order of RowInformation: the differences of its components from the mean have
-/// Student's t distributions, so that a kerb or a shaken mount is not impossible.
-struct MotionPrior {
-  RowInformation::Vector mean, variances;
-  double freedom = 1.0;  ///< degrees of freedom of the distributions
-
-  /// Inverse variances of the normal distributions whose logarithm has the same derivatives at a motion.
-  RowInformation::Vector informationAt(const RowInformation::Vector& motion) const;
-  /// Negative logarithm of the probability density, but for a constant.
-  double costAt(const RowInformation::Vector& motion) const;
-};
-
-/// The most likely motion by the rows and by an expected motion: the share of the expected one, and what the
-/// rows add. In the order of RowInformation.
-struct MotionBlend {
-  RowInformation::Matrix expected_share = RowInformation::Matrix::Identity();
-  RowInformation::Vector by_rows = RowInformation::Vector::Zero();
-  RowInformation::Matrix covariance = RowInformation::Matrix::Zero();  ///< of the blended motion
-
-  MotionBlend() = default;
-  /// Where the rows contradict the prior, as at a kerb, the likelihood has a maximum near each; the higher
-  /// one is taken. The expected motion alone if the rows are not finite or give no solution.
-  MotionBlend(const RowInformation& rows, const MotionPrior& prior);
-
-  ExposureMotion of(const ExposureMotion& expected) const;
-};
-
-/// The information of rows that were compared with a map that was made under motions with errors of this
-/// covariance: only changes of the motion are measured better than that.
-RowInformation withMapError(const RowInformation& rows, const RowInformation::Matrix& covariance);
+/// Velocity, acceleration and angular jerk of a motion.
+using MotionComponents = Eigen::Matrix<double, 15, 1>;
+MotionComponents componentsOf(const ExposureMotion& motion);
+ExposureMotion motionOf(const MotionComponents& components);
 
 /// The motion about another instant (s), of the camera that is `T_camera_other` away in the same rig, in the
 /// axes of that camera at that instant. Exact at that instant and at `range` seconds before and after it.

@@ -17,16 +17,8 @@ struct PoseUncertainty {
   Matrix6d pose_and_drift = Matrix6d::Zero();  ///< cross-covariance: pose (rows), drift (columns)
 };
 
-/// Error model of one motion.
-struct MotionErrors {
-  int pairs = 1;                      ///< number of pairs that the motion spans
-  Matrix6d noise = Matrix6d::Zero();  ///< covariance of the new pose relative to its landmarks
-  /// Mean landmark motion per pair, in halves of a patch: from 1 on pixels are new, and the drift is whole.
-  double patch_motion = 0.0;
-};
-
-/// Propagates the covariance over a motion.
+/// Propagates the covariance over a motion whose own covariance is `noise`.
 PoseUncertainty afterMotion(const PoseUncertainty& before, const Eigen::Isometry3d& motion,
-                            const MotionErrors& errors, const UncertaintySettings& settings);
+                            const Matrix6d& noise, const UncertaintySettings& settings);
 
 }  // namespace cartvo::vo

@@ -7,26 +7,18 @@
 
 namespace cartvo::vo {
 
-/// Correction of the rig's calibration: the rotation of the right camera relative to the rig file, and the
-/// decentring p2 (Brown) of its lens. Angles about the axes of the rectified right camera (x right, y down,
-/// z forward), rad.
+/// Correction of the rig's calibration: the rotation of the right camera relative to the rig file. Angles
+/// about the axes of the rectified right camera (x right, y down, z forward), rad.
 ///
-/// Yaw and p2 change disparities by an amount that depends on the position in the image but not on the depth,
-/// so that near and far points yield different scales of the motion. Pitch and roll shift the rows of
-/// matches, which a depth cannot do; roll also shifts columns, in opposite directions above and below the
-/// centre.
+/// A yaw changes disparities by an amount that depends on the position in the image but not on the depth, so
+/// that near and far points yield different scales of the motion. Pitch and roll shift the rows of matches,
+/// which a depth cannot do; roll also shifts columns, in opposite directions above and below the centre.
 struct RigCorrection {
-  /// Parameters estimated from disparities: yaw and p2, in this order.
-  static constexpr int kSize = 2;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-
   double yaw = 0.0;    ///< about y; positive: the camera looks too far to the right
-  double p2 = 0.0;     ///< normalised coordinates
   double pitch = 0.0;  ///< about x; positive: the camera looks too far up
   double roll = 0.0;   ///< about z; positive: the camera is turned clockwise
 
-  /// Rotation from the right camera's true axes to those of the rig file; without p2.
+  /// Rotation from the right camera's true axes to those of the rig file.
   Eigen::Matrix3d rotation() const {
     const Eigen::Vector3d vector(pitch, yaw, roll);
     const double angle = vector.norm();
@@ -47,11 +39,9 @@ inline Eigen::Vector2d correctedRight(const StereoCamera& camera, const RigCorre
                                       const Eigen::Vector2d& pixel) {
   const double x = (pixel.x() - camera.cx) / camera.focal_length;
   const double y = (pixel.y() - camera.cy) / camera.focal_length;
-  const auto& [yaw, p2, pitch, roll] = correction;
-  return pixel +
-         camera.focal_length *
-             Eigen::Vector2d(yaw * (1.0 + x * x) + p2 * (3.0 * x * x + y * y) - pitch * x * y - roll * y,
-                             (yaw + 2.0 * p2) * x * y - pitch * (1.0 + y * y) + roll * x);
+  const auto& [yaw, pitch, roll] = correction;
+  return pixel + camera.focal_length * Eigen::Vector2d(yaw * (1.0 + x * x) - pitch * x * y - roll * y,
+                                                       yaw * x * y - pitch * (1.0 + y * y) + roll * x);
 }
 
 }  // namespace cartvo::vo

@@ -4,7 +4,7 @@
 namespace cartvo::vo {
 
 void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
-                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks) {
+                        const RigCalibration& rig, std::vector<Landmark>& landmarks) {
   const Eigen::Isometry3d right_rotation(rig.expected().rotation().transpose());
   const RowTransform right_from_left(pair.camera, pair.timing, pair.window.back(),
                                      right_rotation * T_right_left);

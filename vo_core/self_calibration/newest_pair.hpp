@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "vo_core/self_calibration/rig_calibration_filter.hpp"
+#include "vo_core/self_calibration/rig_calibration.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
 
 // Stereo matching of the newest pair with the right camera rotated by the estimated calibration error.
@@ -21,8 +21,8 @@ struct NewestPair {
 };
 
 /// Searches the right image for the landmarks' last observations, with the right camera rotated by
-/// rig.expected(). `T_right_left`: newestRightFromLeft(), computed from the rig file without correction.
+/// rig.expected(). `T_right_left`: rightFromLeft(), from the rig file without correction.
 void matchStereoRotated(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
-                        const RigCalibrationFilter& rig, std::vector<Landmark>& landmarks);
+                        const RigCalibration& rig, std::vector<Landmark>& landmarks);
 
 }  // namespace cartvo::vo

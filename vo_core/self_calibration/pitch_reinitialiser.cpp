@@ -63,7 +63,7 @@ PitchReinitialiser::PitchReinitialiser(const StereoCamera& camera, const SelfCal
     : settings_(settings), search_(camera.width, kAnyPatch, levels) {}
 
 bool PitchReinitialiser::tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
-                                         const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig) {
+                                         const std::vector<Landmark>& landmarks, RigCalibration& rig) {
   const WindowFrame& newest = pair.window.back();
   if (newest.index < next_pair_ || !hasFewMatches(landmarks)) return false;
   next_pair_ = newest.index + pitch_search::kSearchInterval;

@@ -23,7 +23,7 @@ class PitchReinitialiser {
   /// if most patches contradict it, as in images of two scenes, or if it is the one that the matches were
   /// searched with: then the scene hides them.
   bool tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,
-                       const std::vector<Landmark>& landmarks, RigCalibrationFilter& rig);
+                       const std::vector<Landmark>& landmarks, RigCalibration& rig);
 
  private:
   SelfCalibrationSettings settings_;

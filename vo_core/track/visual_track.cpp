@@ -6,9 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "vo_core/estimation/bundle_noise.hpp"
-#include "vo_core/estimation/window_problems.hpp"
-#include "vo_core/estimation/window_uncertainty.hpp"
+#include "vo_core/estimation/pose_points.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
@@ -42,14 +40,15 @@ double inverseDepthAt(const Eigen::Isometry3d& T_exposure_instant, const Eigen::
 /// rows; `T_exposure_instant`: of the left camera.
 void initialiseDepth(Landmark& landmark, const StereoCamera& camera, const Eigen::Isometry3d& T_right_left,
                      const Eigen::Isometry3d& T_exposure_instant, const Eigen::Vector2d& right_pixel,
-                     const BundleNoises& noises) {
+                     const WindowNoise& noise) {
+  constexpr double kStretch = 0.006;  // px of noise per px of disparity: near patches deform more
   const auto found = triangulate(camera, T_right_left, landmark.anchor().left, right_pixel);
   if (!found) return;
   landmark.inverse_depth =
       inverseDepthAt(T_exposure_instant, bearingOf(camera, landmark.anchor().left), found->inverse_depth);
-  const BundleNoise& noise = noises[landmark.level];
-  const double stddev = (noise.disparity + noise.stretch * std::abs(landmark.anchor().stereo_offset.x())) /
-                        (camera.focal_length * found->sensitivity);
+  const double disparity_noise = std::hypot(noise.right, (1.0 - noise.common) * noise.left) +
+                                 kStretch * std::abs(landmark.anchor().stereo_offset.x());
+  const double stddev = disparity_noise / (camera.focal_length * found->sensitivity);
   landmark.information = 1.0 / (stddev * stddev);
 }
 
@@ -63,36 +62,29 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
       timing_(timing),
       tracker_(camera, settings),
       random_(settings.seed),
-      cell_noise_(settings.self_calibration.correlated_pairs, settings.history.half_weight_stddevs),
       pitch_reinitialiser_(camera, settings.self_calibration, settings.tracking.levels),
       standstill_(settings.standstill),
       frozen_camera_(settings.standstill),
-      estimates_{learnt.rig,
-                 learnt.readouts,
-                 learnt.still_regions,
-                 {settings.rolling_shutter, settings.self_calibration.correlated_pairs},
+      estimates_{learnt.rig, learnt.readouts, learnt.still_regions,
                  PredictionErrors(settings.self_calibration.correlated_pairs)},
       stereo_share_(learnt.stereo_share),
       last_exposure_ns_(first.left_exposure_ns),
       unambiguous_ns_(first.left_exposure_ns),
-      draft_{{}, {}, estimates_},
-      row_regression_(settings.self_calibration) {
-  timing_.setReadouts(learnt.readouts.left.used(), learnt.readouts.right.used());
+      draft_{{}, {}, estimates_} {
+  timing_.use(learnt.readouts);
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
-  kept_landmarks_.reserve(timing_.mayRoll() ? settings.features : 0);
   {
     const StageScope stage(observer, Stage::detect);
     tracker_.replenish(landmarks_, *first.left, first.index);
   }
   const StageScope stage(observer, Stage::disparity);
   window_.push_back(frameOf(first));
-  if (timing_.isRolling()) window_.back().motion.emplace();
   matchStereo(first, window_, reinitialiser, landmarks_);
   // The speed is unknown: with a time offset the depths are uncertain.
   const double relative_stddev =
-      settings.rolling_shutter.unknown_velocity * std::abs(window_.back().offset) / camera.baseline;
+      settings.unknown_velocity * std::abs(window_.back().offset) / camera.baseline;
   for (Landmark& landmark : landmarks_) {
     if (!landmark.hasDepth() || relative_stddev == 0.0) continue;
     const double stddev = relative_stddev * std::max(landmark.inverse_depth, 0.0);
@@ -102,7 +94,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
 
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
   if (!timing_.mayRoll()) return std::nullopt;
-  return estimates_.readouts.estimates();
+  return estimates_.readouts;
 }
 
 void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {
@@ -112,10 +104,6 @@ void VisualTrack::viewLandmarks(std::int64_t pair, LandmarkViews& views) const {
 
 int VisualTrack::stereoCount() const {
   return countStereo(landmarks_);
-}
-
-Matrix6d VisualTrack::poseCovariance() const {
-  return poseCovarianceOf(window_.back());
 }
 
 bool VisualTrack::estimatesRig() const {
@@ -153,7 +141,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   Draft& draft = draft_;
   draft.window = window_;
   draft.window.push_back(frameOf(pair));
-  if (timing_.isRolling()) predictMotion(pair, draft);
+  predictMotion(pair, draft);
   trackLandmarks(pair, draft, motion, observer);
   {
     const StageScope stage(observer, Stage::motion);
@@ -172,7 +160,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const bool enough_landmarks = motion.counts.matched >= kMajority * landmarks_when_stopped_;
     if (still_stands && enough_landmarks) return motion;
   }
-  if (usesWindow() && !still_stands) predictByWindow(pair, draft);
+  if (!still_stands) predictByWindow(pair, draft);
   // The pair is added if its motion is valid. In a standstill, too many landmarks of its start are lost.
   replenishLandmarks(pair, draft, motion, observer);
   const StageScope stage(observer, Stage::weights);
@@ -182,7 +170,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   }
   adjust(pair, draft, motion);
   // The first motion after a standstill starts at the fixed pose, not at the true one.
-  if (standing_) motion.error.by_standstill = standstill_.covariance();
+  if (standing_) motion.by_standstill = standstill_.covariance();
   if (!motion.valid()) return motion;
   standing_ = standstill_.update(motion.T_world_camera, pair.left_exposure_ns);
   if (standing_) {
@@ -196,7 +184,7 @@ void VisualTrack::trackLandmarks(const PreparedPair& pair, Draft& draft, Tracked
                                  StageObserver& observer) {
   const StageScope stage(observer, Stage::optical_flow);
   // The oldest pair of a full window leaves it when this pair is accepted.
-  const bool full = static_cast<int>(window_.size()) == settings_.bundle.frames;
+  const bool full = static_cast<int>(window_.size()) == settings_.window.pairs;
   std::optional<Eigen::Isometry3d> expected;
   if (velocity_) expected = expectedPose(pair);
   TrackedImage image{window_, *pair.left, pair.index, window_[full ? 1 : 0].index, expected};
@@ -236,11 +224,46 @@ void VisualTrack::replenishLandmarks(const PreparedPair& pair, Draft& draft, Tra
 }
 
 void VisualTrack::accept(const PreparedPair& pair, Draft& draft) {
-  if (static_cast<int>(draft.window.size()) > settings_.bundle.frames)
+  if (static_cast<int>(draft.window.size()) > settings_.window.pairs)
     draft.window.erase(draft.window.begin());
   window_.swap(draft.window);
   landmarks_.swap(draft.landmarks);
   last_exposure_ns_ = pair.left_exposure_ns;
+}
+
+/// Predicts the motion about the pair's exposure.
+void VisualTrack::predictMotion(const PreparedPair& pair, Draft& draft) {
+  MotionPredictions& predictions = draft.predictions;
+  predictions.time_step = secondsSinceLast(pair);
+  predictions.extrapolated = componentsOf(window_.back().motion);
+  predictions.extrapolated.head<6>() += predictions.time_step * predictions.extrapolated.segment<6>(6);
+  predictions.extrapolated.tail<3>().setZero();
+  predictions.mean.setZero();
+  for (const WindowFrame& frame : window_)
+    predictions.mean.head<6>() += frame.motion.velocity / static_cast<double>(window_.size());
+  const PredictedMotion predicted = estimates_.prediction_errors.combine(predictions);
+  predicted_variances_ = predicted.variances;
+  draft.window.back().motion = motionOf(predicted.motion);
+}
+
+/// Computes the row shifts of the newest pair's observations for the left camera at `T_world_camera`.
+void VisualTrack::correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_world_camera) {
+  if (!timing_.isRolling()) return;
+  draft.window.back().T_world_camera = T_world_camera;
+  correctRows(camera_, timing_, draft.window, draft.window.size() - 1,
+              settings_.tracking.predicted_inverse_depth, draft.landmarks);
+}
+
+/// Adds the uncertainty of the predicted motion to the noise of the points of the pose search.
+void VisualTrack::addRowNoise(const Draft& draft) {
+  const MotionComponents& variances = predicted_variances_;
+  const double translation = variances.head<3>().mean(), rotation = variances.segment<3>(3).mean();
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    PosePoint& point = pose_problem_.points[i];
+    const double instant = timing_.left(draft.landmarks[chosen_[i]].last().left);
+    point.row_noise = camera_.focal_length * std::abs(instant) *
+                      std::sqrt(rotation + point.inverse_depth * point.inverse_depth * translation);
+  }
 }
 
 /// Finds the initial pose, which most landmarks agree on. Returns false and sets the reason if there is none.
@@ -265,8 +288,6 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   draft.window.back().T_world_camera = found->T_world_camera;
   correctNewestRows(draft, found->T_world_camera);
-  for (std::size_t i = 0; i < chosen_.size(); ++i)
-    draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
   return true;
 }
 
@@ -320,7 +341,8 @@ Vector6d VisualTrack::admissibleChange(const PreparedPair& pair) const {
 void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft) {
   PoseProblem& problem = pose_problem_;
   problem.camera = camera_;
-  problem.noise = noise_;
+  for (int level = 0; level < kLandmarkLevels; ++level)
+    problem.noise[level] = track_window_.noise()[level].left;
   problem.anchors.clear();
   for (const WindowFrame& frame : window_)
     problem.anchors.push_back(frame.T_world_camera);
@@ -334,9 +356,7 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
 
 void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<WindowFrame>& window,
                               PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks) {
-  const std::optional<RightExposure>& right = window.back().right;
-  const Eigen::Isometry3d T_right_left =
-      right ? right->T_left_right.inverse() : newestRightFromLeft(timedPoses(window), camera_.baseline);
+  const Eigen::Isometry3d T_right_left = rightFromLeft(window.back(), camera_.baseline);
   const NewestPair newest{tracker_, camera_, timing_, *pair.left, *pair.right, window};
   matchStereoRotated(newest, T_right_left, estimates_.rig, landmarks);
   if (estimatesRig() && reinitialiser.tryReinitialise(newest, T_right_left, landmarks, estimates_.rig)) {
@@ -352,7 +372,7 @@ void VisualTrack::matchStereo(const PreparedPair& pair, const std::vector<Window
     if (estimates_.still_regions.contains(anchor.left)) continue;
     initialiseDepth(landmark, camera_, right_from_left.at(anchor.left),
                     right_from_left.exposureFromLeft(anchor.left),
-                    correctedRight(camera_, rig, anchor.right()), noise_);
+                    correctedRight(camera_, rig, anchor.right()), track_window_.noise()[landmark.level]);
   }
 }
 

@@ -4,10 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "vo_core/estimation/bundle_adjustment.hpp"
-#include "vo_core/estimation/cell_noise.hpp"
-#include "vo_core/estimation/motion_error.hpp"
-#include "vo_core/estimation/patch_overlap.hpp"
 #include "vo_core/estimation/pose_search.hpp"
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 #include "vo_core/integrity/integrity_monitor.hpp"
@@ -16,18 +12,15 @@
 #include "vo_core/landmark_view.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/odometry_settings.hpp"
-#include "vo_core/rolling_shutter/motion_prediction.hpp"
-#include "vo_core/rolling_shutter/motion_roughness.hpp"
-#include "vo_core/rolling_shutter/row_motion.hpp"
 #include "vo_core/self_calibration/pitch_reinitialiser.hpp"
-#include "vo_core/self_calibration/readout_estimator.hpp"
-#include "vo_core/self_calibration/rig_calibration_filter.hpp"
+#include "vo_core/self_calibration/rig_calibration.hpp"
 #include "vo_core/stage_observer.hpp"
 #include "vo_core/tracking/landmark_tracker.hpp"
+#include "vo_core/tracking/motion_prediction.hpp"
 #include "vo_core/tracking/row_correction.hpp"
 #include "vo_core/window/track_window.hpp"
 
-// One track of `estimator: reprojection`: tracking, pose search and bundle adjustment for each pair.
+// One track of `estimator: reprojection`: tracking, pose search and adjustment of the window for each pair.
 
 namespace cartvo::vo {
 
@@ -51,25 +44,24 @@ struct TrackedMotion {
   double time_step = 0.0;                        ///< s since the last tracked pair
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
-  MotionError error;
+  /// Covariance of the motion (m and rad, perturbations on the right) by the window, by a standstill, or by the
+  /// pose where that ended, and by the shifts of key frames that were removed from it.
+  Matrix6d by_window = Matrix6d::Zero(), by_standstill = Matrix6d::Zero(), by_codec_shift = Matrix6d::Zero();
+  double codec_inflation = 1.0;         ///< factor on that by the window: PreparedPair::pose_noise_inflation
+  bool noise_is_uncalibrated = false;  ///< one of the first motions: their noise is still an assumption
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
-  Vector6d stddevByLandmarks() const { return error.by_landmarks.diagonal().cwiseMax(0.0).cwiseSqrt(); }
-  /// Of what poses tell of the motion about an exposure.
-  Vector6d stddevByPoses() const {
-    return (error.by_landmarks.diagonal().cwiseMax(0.0) + error.by_readout.cwiseAbs2()).cwiseSqrt();
-  }
-  /// Whether it is one of the first motions: the noise level is still an assumption.
-  bool noiseIsUncalibrated() const { return error.startup_inflation > 1.0; }
+  Vector6d stddevByWindow() const { return by_window.diagonal().cwiseMax(0.0).cwiseSqrt(); }
+  Matrix6d covariance() const { return codec_inflation * by_window + by_standstill + by_codec_shift; }
 };
 
 /// Estimates about the cameras that one track hands to the next.
 struct LearntByTracks {
-  RigCalibrationFilter rig;
-  ReadoutEstimators readouts;
+  RigCalibration rig;
+  ReadoutEstimates readouts;  ///< as the images show them; those that are stated are not used
   StillRegions still_regions;
   /// Share of the landmarks that have a match in the right image, mean of the last pairs. At dusk few corners
   /// of a first picture are found again, so a low share of one pair means nothing.
@@ -91,14 +83,14 @@ class VisualTrack {
   void setTargetFeatureCount(int features) { tracker_.setTargetFeatureCount(features); }
 
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
-  Matrix6d poseCovariance() const;
+  const Matrix6d& poseCovariance() const { return window_.back().pose_covariance; }
   bool hasMotion() const { return velocity_.has_value(); }
   std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   /// Adds the landmarks that the pair with this index observed.
   void viewLandmarks(std::int64_t pair, LandmarkViews& views) const;
   int stereoCount() const;  ///< landmarks found in the last pair's right image
-  const RigCalibrationFilter& rig() const { return estimates_.rig; }
+  const RigCalibration& rig() const { return estimates_.rig; }
   std::optional<RigCalibrationError> rigCalibrationError() const;  ///< empty if it is not estimated
   const StillRegions& stillRegions() const { return estimates_.still_regions; }
   LearntByTracks learnt() const {
@@ -107,14 +99,12 @@ class VisualTrack {
   std::optional<ReadoutEstimates> readouts() const;  ///< empty with global shutters that are known
 
  private:
-  /// Estimates about cameras and road from the motions.
+  /// Estimates about the cameras from the motions.
   struct Estimates {
-    RigCalibrationFilter rig;
-    ReadoutEstimators readouts;
+    RigCalibration rig;
+    ReadoutEstimates readouts;
     StillRegions still_regions;
-    MotionRoughness roughness;
     PredictionErrors prediction_errors;
-    Vector6d readout_error = Vector6d::Zero();  ///< MotionError::by_readout of the last motion
   };
 
   /// Landmarks, window and estimates with the current pair, before it is accepted.
@@ -124,12 +114,14 @@ class VisualTrack {
     Estimates estimates;                                      ///< set by adjust()
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
     bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
-    MotionPredictions predictions{};                          ///< with rolling shutters
+    MotionPredictions predictions{};                        
   };
 
   // visual_track.cpp
   TrackedMotion track(const PreparedPair& pair, StageObserver& observer);
   void trackLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion, StageObserver& observer);
+  void predictMotion(const PreparedPair& pair, Draft& draft);
+  void addRowNoise(const Draft& draft);
   void correctNewestRows(Draft& draft, const Eigen::Isometry3d& T_world_camera);
   void searchAgainAtFoundPose(const PreparedPair& pair, TrackedImage& image, Draft& draft);
   void replenishLandmarks(const PreparedPair& pair, Draft& draft, TrackedMotion& motion,
@@ -156,61 +148,23 @@ class VisualTrack {
                         StageObserver& observer);
   bool isRejected(const PreparedPair& pair, TrackedMotion& motion) const;
 
-  // visual_track_rows.cpp
-  enum class RigSide : std::uint8_t { left, right };
-  /// A camera of a pair at its own exposure, and its motion about it.
-  struct ReadoutView {
-    std::int64_t index = 0;
-    Eigen::Isometry3d T_world_camera;
-    ExposureMotion motion;
-  };
-  void predictMotion(const PreparedPair& pair, Draft& draft);
-  void addRowNoise(const Draft& draft);
-  std::optional<Matrix6d> estimateRowMotion(Draft& draft);
-  Matrix6d errorOfFirstRows(std::size_t pairs) const;
-  std::size_t firstToCorrect(const std::vector<WindowFrame>& window) const;
-  void updateRowConsistency(Draft& draft) const;
-  void concludeRowMotion(const Matrix6d& by_rows, Draft& draft, TrackedMotion& motion) const;
-  void setRowProblem(const ExposureMotion& expected, const RowInformation::Vector& variances);
-  void addRowPoints(const Draft& draft);
-  std::optional<ReadoutEquation> measureReadout(const Draft& draft, const TimedPoses& poses, int position,
-                                                RigSide side);
-  void addReadoutPoints(const Draft& draft, const ReadoutView& before, const ReadoutView& now, RigSide side);
-  void updateReadouts(Draft& draft);
-  void timeAnew(Draft& draft, bool rows_hold);
-  void updateMotion(const TimedPoses& poses, int position, const Vector6d& motion_stddev, Draft& draft) const;
-
   // visual_track_adjustment.cpp
-  void buildBundleProblem(const Draft& draft, const RigCorrection& rig);
-  BundleResult adjustWithRig(Draft& draft);
-  std::optional<Eigen::Isometry3d> motionByLongerReadouts(Draft& draft);
+  SharedPrior sharedPrior(const PreparedPair& pair) const;
+  TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared, const Draft& draft) const;
+  void predictByWindow(const PreparedPair& pair, Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
+  void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
   void updateLandmarks(Draft& draft);
-  bool usesWindow() const { return settings_.estimator == Estimator::window; }
-  void keepReadoutError(Draft& draft, Vector6d& error) const;
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
   OdometryReason validate(const TrackedMotion& motion) const;
-  RigCalibrationFilter updatedRig(const BundleResult& result, const Draft& draft,
-                                  const RigCorrection& applied);
-
-  // visual_track_window.cpp
-  TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared,
-                               const Estimates& estimates, const Draft& draft) const;
-  void predictByWindow(const PreparedPair& pair, Draft& draft);
-  bool adjustWindow(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  SharedPrior sharedPrior(const PreparedPair& pair, const Estimates& estimates) const;
-  void setFrame(const TrackWindow::Pair& pair, WindowFrame& frame) const;
-  void timeByWindow(const TrackWindow::Adjusted& adjusted, Draft& draft);
 
   StereoCamera camera_;
   OdometrySettings settings_;
   RowTiming timing_;  ///< with the readouts of the current pair
-  RowInformation::Vector predicted_variances_ = RowInformation::Vector::Zero();
+  MotionComponents predicted_variances_ = MotionComponents::Zero();
   LandmarkTracker tracker_;
   SubsetRandom random_;
-  BundleNoises noise_;
-  CellNoise cell_noise_;
   PitchReinitialiser pitch_reinitialiser_;  ///< for pairs after the first
   StandstillDetector standstill_;
   FrozenCameraDetector frozen_camera_;
@@ -221,7 +175,7 @@ class VisualTrack {
   std::vector<Landmark> landmarks_;
   std::vector<WindowFrame> window_;   ///< oldest first; never empty
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
-  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByPoses() of the last motion
+  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByWindow() of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
   std::int64_t unambiguous_ns_ = 0;          ///< exposure of the last pair without an alternative pose
   // State of the current pair; members to reuse their memory.
@@ -230,14 +184,7 @@ class VisualTrack {
       chosen_;  ///< indices into draft_.landmarks of the landmarks of the last problem built
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
-  BundleProblem bundle_;
-  std::vector<Landmark> kept_landmarks_;
-  PatchOverlap overlap_;
-  BundleAdjuster adjuster_;
-  TrackWindow track_window_;  ///< with `estimator: window`
-  RowMotionProblem row_problem_;
-  RowMotionEstimator row_motion_;
-  RowRegression row_regression_;
+  TrackWindow track_window_;
 };
 
 }  // namespace cartvo::vo

@@ -1,7 +1,7 @@
 // Standstill of a track: zero-velocity update and the check by the right camera.
 #include <cmath>
 
-#include "vo_core/estimation/window_problems.hpp"
+#include "vo_core/estimation/pose_points.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
 #include "vo_core/track/visual_track.hpp"
 
@@ -13,25 +13,18 @@ namespace cartvo::vo {
 void VisualTrack::applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion) {
   motion.reason = OdometryReason::zero_velocity;
   motion.T_world_camera = window_.back().T_world_camera;
-  motion.error = {};
-  motion.error.by_standstill = standstill_.motionCovariance();
+  motion.by_standstill = standstill_.motionCovariance();
   last_exposure_ns_ = pair.left_exposure_ns;
   // The last pair of the window was taken at this pose, too: the trajectory goes on from here.
-  if (usesWindow()) window_.back().exposure_ns = pair.left_exposure_ns;
+  window_.back().exposure_ns = pair.left_exposure_ns;
 }
 
 /// Adds a pair of a standstill at the kept pose, with its new landmarks.
 void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion) {
   WindowFrame& current = draft.window.back();
   current.T_world_camera = motion.T_world_camera;
-  current.uncertainty = window_.back().uncertainty;
-  current.dpose_doffset = window_.back().dpose_doffset;
-  current.offset_error = window_.back().offset_error;
-  current.local_covariance = motion.error.covariance();
-  if (timing_.isRolling()) {
-    current.motion = ExposureMotion{};
-    current.rows.reset();
-  }
+  current.pose_covariance = window_.back().pose_covariance;
+  current.motion = {};
   accept(pair, draft);
   frozen_camera_.reset();
   landmarks_when_stopped_ = countWithDepth(landmarks_);
@@ -43,7 +36,7 @@ std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<Wi
                                                             const std::vector<Landmark>& landmarks) {
   PoseProblem& problem = pose_problem_;
   problem.start =
-      window.back().T_world_camera * newestRightFromLeft(timedPoses(window), camera_.baseline).inverse();
+      window.back().T_world_camera * rightFromLeft(window.back(), camera_.baseline).inverse();
   problem.expected = problem.start;
   toPosePoints(landmarks, window, camera_, problem.points, chosen_);
   toRightCameraPoints(landmarks, chosen_, camera_, estimates_.rig.correction(), problem.points);
@@ -71,7 +64,7 @@ void VisualTrack::checkRightCamera(const PreparedPair& pair, Draft& draft, Integ
                          2.0 * offset * velocity_.value_or(Vector6d::Zero()));
   }
   matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
-                     newestRightFromLeft(timedPoses(draft.window), camera_.baseline), estimates_.rig,
+                     rightFromLeft(draft.window.back(), camera_.baseline), estimates_.rig,
                      draft.landmarks);
   const RightMotion right = frozen_camera_.update(localiseRight(draft.window, draft.landmarks),
                                                   pair.left_exposure_ns, evidence.left_repeats);

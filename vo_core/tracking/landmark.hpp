@@ -18,7 +18,6 @@ namespace cartvo::vo {
 struct Observation {
   std::int64_t frame = -1;                                  ///< index of the pair
   bool stereo = false;                                      ///< whether it has a match in the right image
-  bool outlier = false;                                     ///< PosePoint::outlier of the pair's pose search
   Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< px
   Eigen::Vector2d stereo_offset = Eigen::Vector2d::Zero();  ///< px, left minus right position; x: disparity
   /// Stddev of each coordinate of `left` relative to that of a typical patch.
@@ -33,8 +32,6 @@ struct Observation {
   Eigen::Vector2d rightAtExposure() const { return right() - right_row_shift.cast<double>(); }
 };
 
-/// Factor on the weight of a landmark that has no say in the poses: its depth follows from them.
-constexpr double kFollowerWeight = 1e-2;
 constexpr double kStillFlow = 0.5;  ///< px, the most that noise and a video codec move a still landmark
 
 /// A patch of the world tracked through the left images. Its anchor, the first pair of its observations,
@@ -54,14 +51,6 @@ struct Landmark {
 
   double inverse_depth = 0.0;  ///< 1/m, along the z axis of the anchor camera
   double information = 0.0;    ///< m^2, inverse variance of inverse_depth; 0: no depth
-  /// Estimate of inverse_depth from earlier anchors; its information is reduced by
-  /// BundleSettings::fixed_pose_weight.
-  double prior_inverse_depth = 0.0;
-  double prior_information = 0.0;
-  /// Sensitivities of both to the time offset: error (1/m) per second by which the right cameras were exposed
-  /// later than assumed.
-  double dinverse_depth_doffset = 0.0;
-  double prior_dinverse_depth_doffset = 0.0;
 
   const Observation& anchor() const { return observations.front(); }
   const Observation& last() const { return observations.back(); }
@@ -77,9 +66,6 @@ struct Landmark {
     return found == observations.end() ? nullptr : &*found;
   }
   bool hasDepth() const { return information > 0.0; }
-  /// Weight in the estimation of poses and motions. An outlier of the last pair follows, and a landmark
-  /// without a depth: with a wrong depth, or a vague one, it would take part of the rotation for translation.
-  double poseWeight() const { return hasDepth() && !last().outlier ? weight : kFollowerWeight * weight; }
 };
 
 /// The landmark where its last pair observed it. `previous`: index of the pair tracked before.

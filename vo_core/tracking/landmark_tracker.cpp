@@ -35,21 +35,8 @@ bool wasNew(const Landmark& landmark, bool found) {
   return landmark.age == (found ? 2 : 1);
 }
 
-/// Derivative of the landmark's ray y = R b + rho t in the new anchor by the time offset, due to the errors
-/// of both poses.
-Eigen::Vector3d rayByTimeOffset(const WindowFrame& old_anchor, const WindowFrame& new_anchor,
-                                const Eigen::Isometry3d& T_new_old, double rho,
-                                const Eigen::Vector3d& bearing, const Eigen::Vector3d& ray) {
-  const Vector6d& old_error = old_anchor.dpose_doffset;
-  const Vector6d& new_error = new_anchor.dpose_doffset;
-  return T_new_old.linear() * (old_error.tail<3>().cross(bearing) + rho * old_error.head<3>()) -
-         (new_error.tail<3>().cross(ray) + rho * new_error.head<3>());
-}
-
-/// Makes the last observation the anchor. The depth, transformed to it, becomes the prior with its
-/// information times `prior_factor`.
-void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window,
-                  double prior_factor) {
+/// Makes the last observation the anchor, and transforms the depth to it.
+void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vector<WindowFrame>& window) {
   const WindowFrame* old_anchor = findFrame(window, landmark.anchor().frame);
   const WindowFrame* new_anchor = findFrame(window, landmark.last().frame);
   if (old_anchor != nullptr && new_anchor != nullptr && landmark.hasDepth()) {
@@ -60,18 +47,11 @@ void changeAnchor(Landmark& landmark, const StereoCamera& camera, const std::vec
       // y = R b + rho t, so rho' = rho / y_z, and d rho' / d rho = (R b)_z / y_z^2.
       const double z = seen.ray.z();
       const double slope = (z - landmark.inverse_depth * T_new_old.translation().z()) / (z * z);
-      const double z_by_offset =
-          rayByTimeOffset(*old_anchor, *new_anchor, T_new_old, landmark.inverse_depth, bearing, seen.ray).z();
-      landmark.dinverse_depth_doffset =
-          slope * landmark.dinverse_depth_doffset - landmark.inverse_depth / (z * z) * z_by_offset;
       landmark.inverse_depth /= z;
       landmark.information /= std::max(slope * slope, 1e-6);
     }
   }
   // The stereo match of the new anchor already contributed to the depth: it is not used again.
-  landmark.prior_inverse_depth = landmark.inverse_depth;
-  landmark.prior_information = prior_factor * landmark.information;
-  landmark.prior_dinverse_depth_doffset = landmark.dinverse_depth_doffset;
   Observation last = landmark.last();
   last.stereo = false;
   landmark.observations.clear();
@@ -146,7 +126,7 @@ std::optional<ShiftTask> LandmarkTracker::startShift(Landmark& landmark, const S
   if (last == nullptr) return std::nullopt;
   if (landmark.anchor().frame < oldest_anchor ||
       isStretched(landmark.warp, settings_.tracking.maximum_stretch))
-    changeAnchor(landmark, camera_, scene.window, settings_.bundle.fixed_pose_weight);
+    changeAnchor(landmark, camera_, scene.window);
   const std::optional<int> anchor = findFrameIndex(scene.window, landmark.anchor().frame);
   if (!anchor) return std::nullopt;
   const auto expected = expectedPixel(landmark, *anchor, scene);
@@ -216,7 +196,7 @@ void LandmarkTracker::trackBlock(std::span<Landmark> landmarks, const Scene& sce
     TrackingAttempt& attempt = attempts[i];
     if (!attempt.shifted || attempt.aligned) continue;
     if (landmarks[i].observations.size() > 1)
-      changeAnchor(landmarks[i], camera_, scene.window, settings_.bundle.fixed_pose_weight);
+      changeAnchor(landmarks[i], camera_, scene.window);
     else
       attempt.shifted.reset();
   }

@@ -15,7 +15,6 @@ struct RowCamera {
 
 /// Both cameras of a pair.
 struct RowPair {
-  bool moves = false;
   RowCamera left, right;
 };
 
@@ -33,16 +32,13 @@ RowCamera rowCameraOf(const ExposureMotion& motion, const Eigen::Isometry3d& T_w
 /// Motion of the right camera about its own exposure.
 ExposureMotion rightMotionOf(const WindowFrame& frame, double baseline, double range) {
   if (frame.right) return frame.right->motion;
-  return motionAbout(*frame.motion, frame.offset, leftFromRight(baseline), range);
+  return motionAbout(frame.motion, frame.offset, leftFromRight(baseline), range);
 }
 
 RowPair rowPairOf(const WindowFrame& frame, double baseline, double range,
                   const std::vector<WindowFrame>& window) {
-  if (!frame.motion) return {};
-  const Eigen::Isometry3d T_world_right =
-      frame.right ? frame.T_world_camera * frame.right->T_left_right
-                  : frame.T_world_camera * frame.motion->at(frame.offset) * leftFromRight(baseline);
-  return {true, rowCameraOf(*frame.motion, frame.T_world_camera, window),
+  const Eigen::Isometry3d T_world_right = frame.T_world_camera * rightFromLeft(frame, baseline).inverse();
+  return {rowCameraOf(frame.motion, frame.T_world_camera, window),
           rowCameraOf(rightMotionOf(frame, baseline, range), T_world_right, window)};
 }
 
@@ -62,9 +58,9 @@ double RowTiming::range() const {
 RowTransform::RowTransform(const StereoCamera& camera, const RowTiming& timing, const WindowFrame& frame,
                            const Eigen::Isometry3d& T_right_left)
     : T_right_left_(T_right_left) {
-  if (!timing.isRolling() || !frame.motion) return;
+  if (!timing.isRolling()) return;
   timing_ = &timing;
-  left_ = *frame.motion;
+  left_ = frame.motion;
   right_ = rightMotionOf(frame, camera.baseline, timing.range());
 }
 
@@ -96,7 +92,6 @@ void correctRows(const StereoCamera& camera, const RowTiming& timing, const std:
       const std::optional<int> at = findFrameIndex(window, observation.frame);
       if (!at) continue;
       const RowPair& pair = pairs[static_cast<std::size_t>(*at) - first];
-      if (!pair.moves) continue;
       observation.left_row_shift =
           shiftOf(camera, pair.left, timing.left(observation.left), observation.left, place, *anchor);
       if (observation.stereo)

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "vo_core/geometry/exposure_motion.hpp"
-#include "vo_core/geometry/reprojection.hpp"
 #include "vo_core/shutter.hpp"
 #include "vo_core/stereo_camera.hpp"
 #include "vo_core/tracking/landmark.hpp"
@@ -36,10 +35,10 @@ class RowTiming {
   }
   const StereoShutters& shutters() const { return shutters_; }
 
-  /// Sets the readouts (s) of the left and the right camera to their estimates.
-  void setReadouts(double left, double right) {
-    shutters_.left.readout = left;
-    shutters_.right.readout = right;
+  /// Times rows with these estimates of the readouts that are not stated.
+  void use(const ReadoutEstimates& estimates) {
+    if (!shutters_.left.isStated()) shutters_.left.readout = estimates.left.value;
+    if (!shutters_.right.isStated()) shutters_.right.readout = estimates.right.value;
   }
 
   /// Half of the longer readout, s, at least a millisecond.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "vo_core/geometry/exposure_motion.hpp"
-#include "vo_core/geometry/pose_drift.hpp"
+#include "vo_core/geometry/reprojection.hpp"
 #include "vo_core/image/image_pyramid.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -25,18 +25,16 @@ struct WindowFrame {
   double offset = 0.0;           ///< s, right exposure minus left exposure
   SharedPyramid left;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  PoseUncertainty uncertainty;                   ///< relative to the track's first pair
-  Matrix6d local_covariance = Matrix6d::Zero();  ///< relative to the landmarks at the time of the pair
-  Vector6d dpose_doffset = Vector6d::Zero();     ///< see TimedPose
-  /// Error of the pose relative to the first pair if all time offsets err by one stddev with the same sign.
-  /// Not part of `uncertainty`.
-  Vector6d offset_error = Vector6d::Zero();
-  std::optional<RightExposure> right;  ///< by the trajectory of `estimator: window`
-  // With rolling shutters:
-  std::optional<ExposureMotion> motion;  ///< about the left exposure
-  RowInformation row_information;        ///< what the rows of its images tell of that motion
-  std::optional<MotionBlend> rows;       ///< as TimedPose's
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the track's first pair
+  ExposureMotion motion;                        ///< about the left exposure
+  std::optional<RightExposure> right;           ///< by the trajectory; empty before the window is adjusted
 };
+
+/// Transform of points from a pair's left camera to its right one, each at its own exposure.
+inline Eigen::Isometry3d rightFromLeft(const WindowFrame& frame, double baseline) {
+  if (frame.right) return frame.right->T_left_right.inverse();
+  return (frame.motion.at(frame.offset) * leftFromRight(baseline)).inverse();
+}
 
 /// Time from the left exposure of one pair to that of another, s.
 inline double secondsBetween(const WindowFrame& from, const WindowFrame& to) {

@@ -16,7 +16,7 @@ constexpr double kLeastJerk = 1.0;     // m/s^3 and rad/s^3
 constexpr double kJerkFreedom = 6.0;   // of the first values
 constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
 constexpr double kSpeed = 15.0;        // m/s and rad/s, stddev at a track's start
-constexpr double kLeastStddev = 1e-6;  // of a shared state that is known
+constexpr double kLeastStddev = 1e-8;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
 constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
 constexpr int kMostKnots = 96;
@@ -64,6 +64,27 @@ const WindowPair* findPair(const WindowProblem& problem, std::int64_t index) {
   const auto* const found = std::find_if(problem.pairs.begin(), problem.pairs.end(),
                                          [&](const WindowPair& pair) { return pair.index == index; });
   return found == problem.pairs.end() ? nullptr : found;
+}
+
+/// Inverse depth (1/m) of a landmark by its left positions, which are linear in it: least squares with a weak
+/// prior.
+double depthByMotion(const WindowProblem& problem, const WindowLandmark& landmark) {
+  constexpr double kUsual = 0.03;  // 1/m
+  constexpr double kNoise = 2e-4;  // m, of a position in focal lengths over the stddev of the prior
+  double numerator = kUsual * kNoise * kNoise, denominator = kNoise * kNoise;
+  for (const WindowObservation& seen : landmark.observations) {
+    const auto camera = problem.trajectory.at(problem.leftTime(seen.pair, seen.left_share));
+    const Eigen::Matrix3d to_camera = camera.rotation.transpose();
+    const Eigen::Vector3d far = to_camera * (landmark.T_world_host.linear() *
+                                             Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0));
+    const Eigen::Vector3d by_depth =
+        to_camera * (landmark.T_world_host.translation() - camera.position);
+    const Eigen::Vector3d bearing = bearingOf(problem.camera, seen.left);
+    const Eigen::Vector2d slope = by_depth.head<2>() - by_depth.z() * bearing.head<2>();
+    numerator += slope.dot(far.z() * bearing.head<2>() - far.head<2>());
+    denominator += slope.squaredNorm();
+  }
+  return std::max(0.0, numerator / denominator);
 }
 
 /// s, of the left exposures.
@@ -149,7 +170,7 @@ void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   problem.trajectory.extendTo(end);
   for (int i = 0; i < problem.trajectory.size(); ++i)
     problem.trajectory.set(i, poseOf(window, times, problem.trajectory.timeOf(i)));
-  Matrix6d gauge = first.uncertainty.pose;
+  Matrix6d gauge = first.pose_covariance;
   const Eigen::Matrix3d& rotation = first.T_world_camera.linear();
   gauge.topRows<3>() = rotation * gauge.topRows<3>();
   gauge.leftCols<3>() = gauge.leftCols<3>() * rotation.transpose();
@@ -162,7 +183,7 @@ void TrackWindow::choose(const TrackWindowInput& input) {
   chosen_.clear();
   for (std::size_t i = 0; i < input.landmarks.size(); ++i) {
     const Landmark& landmark = input.landmarks[i];
-    if (landmark.observations.size() < 2 || !landmark.hasDepth()) continue;
+    if (landmark.observations.size() < 2) continue;
     if (input.still_regions.contains(landmark.last().left)) continue;
     const Eigen::Vector2d& at = landmark.anchor().left;
     chosen_.emplace_back(Key{landmark.anchor().frame, at.x(), at.y()}, i);
@@ -219,6 +240,7 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
     while (at < keys.size() && keys[at] < key)
       ++at;
     WindowLandmark item;
+    bool is_new = false;
     if (at < keys.size() && keys[at] == key) {
       item = before[at];
     } else {
@@ -237,9 +259,11 @@ void TrackWindow::addLandmarks(const TrackWindowInput& input) {
           bearingOf(input.camera, host != nullptr ? pixel : landmark.anchor().leftAtExposure());
       item.place << bearing.x(), bearing.y(), landmark.inverse_depth;
       item.level = landmark.level;
+      is_new = true;
     }
     toObservations(landmark, input.timing, problem.pairs, item);
     if (item.observations.size() < 2) continue;
+    if (is_new && !landmark.hasDepth()) item.place.z() = depthByMotion(problem, item);
     next_.keys.push_back(key);
     taking_part_.push_back(index);
     problem.landmarks.push_back(item);
@@ -262,7 +286,7 @@ TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
   return result;
 }
 
-TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
+TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
   const WindowProblem& problem = next_.problem;
   const std::size_t last = problem.pairs.size() - 1;
   Adjusted adjusted;
@@ -276,24 +300,30 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) const {
   adjusted.shared = problem.shared;
   adjusted.shared_stddev =
       result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();
-  addDepths(adjusted);
+  listAdjusted(adjusted.pairs);
   return adjusted;
 }
 
-/// Adds the inverse depths of the landmarks in front of their anchor's camera.
-void TrackWindow::addDepths(Adjusted& adjusted) const {
+/// Lists the landmarks with their depths. `pairs`: those of the window.
+void TrackWindow::listAdjusted(const Pairs& pairs) {
+  adjusted_.clear();
   for (std::size_t i = 0; i < taking_part_.size(); ++i) {
     const WindowLandmark& landmark = next_.problem.landmarks[i];
+    AdjustedLandmark& adjusted = adjusted_.emplace_back();
+    adjusted.index = taking_part_[i];
+    adjusted.fit = solver_.fit(i);
     Eigen::Isometry3d T_anchor_host = Eigen::Isometry3d::Identity();  // of an anchor before a standstill
     if (const auto* const pair = findPair(next_.problem, std::get<0>(next_.keys[i]))) {
-      const auto& anchor = adjusted.pairs[static_cast<std::size_t>(pair - next_.problem.pairs.begin())];
+      const Pair& anchor = pairs[static_cast<std::size_t>(pair - next_.problem.pairs.begin())];
       T_anchor_host = anchor.T_world_camera.inverse() * landmark.T_world_host;
     }
     const double depth =  // times the inverse depth
         T_anchor_host.linear().row(2).dot(Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0)) +
         landmark.place.z() * T_anchor_host.translation().z();
     if (depth > kNearestRay)
-      adjusted.inverse_depths.emplace_back(taking_part_[i], landmark.place.z() / depth);
+      adjusted.inverse_depth = landmark.place.z() / depth;
+    else
+      adjusted.fit.information = 0.0;
   }
 }
 

@@ -56,9 +56,12 @@ class TrackWindow {
     WindowTwist twist;           ///< at the newest exposure
     SharedVector shared, shared_stddev;
     EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }
-    /// Inverse depths (1/m) in the anchor's camera at its exposure, by index into
-    /// TrackWindowInput::landmarks.
-    std::vector<std::pair<std::size_t, double>> inverse_depths;
+  };
+  /// A landmark that took part.
+  struct AdjustedLandmark {
+    std::size_t index;          ///< into TrackWindowInput::landmarks
+    double inverse_depth = 0.0;  ///< 1/m, in the anchor's camera at its exposure
+    LandmarkFit fit;            ///< without information if it is not in front of that camera
   };
 
   /// The newest pair, whose right positions are not known yet, by its left ones; without covariance. Nothing
@@ -68,6 +71,9 @@ class TrackWindow {
   /// result; without it, the pair is forgotten.
   std::optional<Adjusted> adjust(const TrackWindowInput& input);
   void accept();
+  /// Landmarks of the last adjust().
+  const std::vector<AdjustedLandmark>& landmarks() const { return adjusted_; }
+  const WindowNoises& noise() const { return state_.problem.noise; }
 
  private:
   /// Name of a landmark's life with one anchor: index of the anchor's pair, and its position in it, px.
@@ -87,14 +93,15 @@ class TrackWindow {
   void choose(const TrackWindowInput& input);
   void removeEnded(const TrackWindowInput& input);
   void addLandmarks(const TrackWindowInput& input);
-  Adjusted concluded(const WindowResult& result) const;
+  Adjusted concluded(const WindowResult& result);
   void assumeYaw(double yaw, const WindowResult& result);
-  void addDepths(Adjusted& adjusted) const;
+  void listAdjusted(const Pairs& pairs);
 
   State state_, next_;
   // Reused for their memory.
   std::vector<std::pair<Key, std::size_t>> chosen_;  ///< landmarks of the newest pair
   std::vector<std::size_t> taking_part_;  ///< index into the input's landmarks of each of next_.problem's
+  std::vector<AdjustedLandmark> adjusted_;
   WindowSolver solver_;
 };
 

@@ -5,10 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/rigid_motion.hpp"
 
 namespace cartvo::vo {
 namespace {
+
+/// Right Jacobian of SO(3) at a rotation vector (T. Barfoot, "State Estimation for Robotics", 2017, eq. 7.77,
+/// 7.78).
+Eigen::Matrix3d rightJacobianOfRotation(const Eigen::Vector3d& rotation) {
+  const double angle = rotation.norm();
+  const Eigen::Matrix3d W = skew(rotation);
+  if (angle < 1e-5) return Eigen::Matrix3d::Identity() - 0.5 * W + W * W / 6.0;
+  const double squared = angle * angle;
+  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / squared * W +
+         (angle - std::sin(angle)) / (squared * angle) * W * W;
+}
 
 using Matrices = std::array<Eigen::Matrix3d, Trajectory::kSupport>;
 

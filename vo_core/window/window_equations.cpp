@@ -15,6 +15,7 @@ constexpr double kLeastFreedom = 100.0;    // of residuals from which a scale is
 constexpr double kLeastScale = 0.01, kLargestScale = 1.0;  // px
 constexpr double kLargestCommon = 0.9;                     // see WindowNoise::common
 constexpr double kLargestCommonSquare = 16.0;              // of residuals that it is estimated from
+constexpr double kSquareBehindCamera = 1e6;
 constexpr int kBands = 41;  // of rows, between which the camera accelerates uniformly
 
 /// Index of the band of rows of a pair.
@@ -92,12 +93,19 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
   for (std::size_t i = 0; i < count; ++i) {
     const WindowObservation& observation = landmark.observations[i];
     bands[i] = &bandOf(problem, observation);
-    if (!setEquations(problem, bands[i]->middle, landmark, observation, scale, rows[i])) return result;
+    if (!setEquations(problem, bands[i]->middle, landmark, observation, scale, rows[i])) {
+      result.fit.square = kSquareBehindCamera;
+      return result;
+    }
     for (int image = 0; image < (observation.stereo ? 2 : 1); ++image) {
       squares += std::min(rows[i].squareIn(image), kLargestSquare);
       freedom += 2.0;
     }
   }
+  const ObservationEquations& newest = rows[count - 1];
+  result.fit.square = landmark.observations.back().stereo
+                          ? 0.25 * (newest.squareIn(0) + newest.squareIn(1))
+                          : 0.5 * newest.squareIn(0);
   if (freedom < 0.0 || (gated && squares > kGate * std::max(freedom, 1.0))) return result;
 
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -113,7 +121,10 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
   const Eigen::LLT<Eigen::Matrix3d> factor(information);
   result.used = factor.info() == Eigen::Success;
   result.root_inverse.setZero();
-  if (result.used) result.root_inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
+  if (result.used) {
+    result.root_inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
+    result.fit.information = 1.0 / (result.root_inverse(2, 2) * result.root_inverse(2, 2));
+  }
   result.index = sums_.eliminate(result.root_inverse);
   if (!result.used || !noise) return result;
   const Eigen::Matrix3d covariance = result.root_inverse.transpose().lazyProduct(result.root_inverse);

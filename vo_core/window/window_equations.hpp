@@ -31,6 +31,12 @@ class WindowNoiseSums {
   std::array<Level, kLandmarkLevels> levels_{};
 };
 
+/// How a landmark fits the trajectory.
+struct LandmarkFit {
+  double square = 0.0;       ///< mean of its newest residuals over their scales, squared
+  double information = 0.0;  ///< m^2, of its inverse depth given all poses; 0: it has been left out
+};
+
 /// Normal equations about the problem's values. Unknowns as WindowPrior's.
 class WindowEquations {
  public:
@@ -43,6 +49,9 @@ class WindowEquations {
   /// Adds the white jerk between four knots, the first of which is below `end`.
   void addJerk(const WindowProblem& problem, int end);
   void addPrior(const WindowProblem& problem);
+
+  /// How the landmark with this index fitted in setLandmarks().
+  const LandmarkFit& fit(std::size_t landmark) const { return eliminated_[landmark].fit; }
 
   /// Moves the landmarks given to setLandmarks() by what follows from a step of the other unknowns.
   void moveLandmarks(const Eigen::VectorXd& step, std::vector<WindowLandmark>& landmarks);
@@ -65,6 +74,7 @@ class WindowEquations {
     bool used = false;
     std::size_t index = 0;         ///< in sums_
     Eigen::Matrix3d root_inverse;  ///< lower triangular, of the information
+    LandmarkFit fit;
   };
 
   Band& bandOf(const WindowProblem& problem, const WindowObservation& observation);

@@ -27,6 +27,9 @@ class WindowSolver {
   /// Such steps, with what follows from the last one's equations.
   WindowResult solve(WindowProblem& problem, std::span<const double> scales);
 
+  /// Of the last step.
+  const LandmarkFit& fit(std::size_t landmark) const { return equations_.fit(landmark); }
+
   /// Moves the information of landmarks that are no longer seen, and the oldest `knots` of the trajectory,
   /// into the prior. Landmarks beyond the gate are dropped.
   void marginalise(WindowProblem& problem, const std::vector<WindowLandmark>& ended, int knots);

@@ -3,19 +3,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "vo_core/estimation/bundle_adjustment.hpp"
 #include "vo_core/estimation/pose_search.hpp"
 #include "vo_core/geometry/rig_correction.hpp"
 #include "vo_core/tracking/landmark.hpp"
 #include "vo_core/tracking/window_frame.hpp"
 
-// Conversion of a window of pairs and its landmarks to pose search and bundle problems. Output lists reserve
-// the capacity of the list of landmarks, so that the steady state allocates nothing.
+// Conversion of a window of pairs and its landmarks to problems of the pose search. Output lists reserve the
+// capacity of the list of landmarks, so that the steady state allocates nothing.
 
 namespace cartvo::vo {
-
-/// Poses of the window with times in s since its oldest pair.
-TimedPoses timedPoses(const std::vector<WindowFrame>& window);
 
 /// Fills `points` with the landmarks that have a depth and `chosen` with their indices. Their last
 /// observations must be in the current pair. `window` has the anchors and may end before the current pair; a
@@ -31,15 +27,5 @@ void toPosePoints(const std::vector<Landmark>& landmarks, const std::vector<Wind
 void toRightCameraPoints(const std::vector<Landmark>& landmarks, const std::vector<std::size_t>& chosen,
                          const StereoCamera& camera, const RigCorrection& rig,
                          std::vector<PosePoint>& points);
-
-/// Fills `items` with the landmarks that have more than one observation, right positions corrected by `rig`,
-/// and `chosen` with their indices. `window` ends with the current pair.
-void toBundleLandmarks(const std::vector<Landmark>& landmarks, const std::vector<WindowFrame>& window,
-                       const StereoCamera& camera, const RigCorrection& rig,
-                       std::vector<BundleLandmark>& items, std::vector<std::size_t>& chosen);
-
-/// Updates a landmark's depth with the adjusted one. A landmark without a depth gets one only if the motion
-/// has made it certain.
-void updateDepth(const BundleLandmark& adjusted, Landmark& landmark);
 
 }  // namespace cartvo::vo

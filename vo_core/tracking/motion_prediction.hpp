@@ -4,16 +4,16 @@
 
 namespace cartvo::vo {
 
-/// A motion about an exposure and the variances of its error: m, rad and s, in the order of RowInformation.
+/// A motion about an exposure and the variances of its error: m, rad and s, in the order of MotionComponents.
 struct PredictedMotion {
-  RowInformation::Vector motion = RowInformation::Vector::Zero(), variances = RowInformation::Vector::Zero();
+  MotionComponents motion = MotionComponents::Zero(), variances = MotionComponents::Zero();
 };
 
-/// Two predictions of the motion about the next exposure, in the order of RowInformation.
+/// Two predictions of the motion about the next exposure, in the order of MotionComponents.
 struct MotionPredictions {
   double time_step = 0.0;  ///< s since the last motion
   /// The last motion with a constant acceleration, and the mean velocity of the window.
-  RowInformation::Vector extrapolated = RowInformation::Vector::Zero(), mean = RowInformation::Vector::Zero();
+  MotionComponents extrapolated = MotionComponents::Zero(), mean = MotionComponents::Zero();
 };
 
 /// Mean squared errors of both predictions over the last pairs. A vibration that is faster than the pairs
@@ -34,8 +34,8 @@ class PredictionErrors {
  private:
   double memory_;  ///< weight of the previous pairs, per pair
   /// Squared errors of the mean, and of the extrapolation over one second: its errors are those of a jerk.
-  RowInformation::Vector mean_ = RowInformation::Vector::Zero(),
-                         extrapolated_ = RowInformation::Vector::Zero();
+  MotionComponents mean_ = MotionComponents::Zero(),
+                         extrapolated_ = MotionComponents::Zero();
 };
 
 }  // namespace cartvo::vo

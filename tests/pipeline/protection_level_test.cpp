@@ -106,15 +106,12 @@ TEST(ProtectionLevel, HasTheSidewaysErrorOfAHeadingThatIsOff) {
   EXPECT_NEAR(level.motion.x(), added + kBoundFactor * std::sqrt(10.0) * kTranslationStddev, 1e-12);
 }
 
-TEST(ProtectionLevel, AddsTheErrorsOfOffsetAndScaleWithTheirSigns) {
-  constexpr double kScale = 0.02, kStep = 0.3, kByOffset = 0.004;
+TEST(ProtectionLevel, AddsTheErrorsOfTheScaleWithTheirSigns) {
+  constexpr double kScale = 0.02, kStep = 0.3;
   ProtectionLevels levels(Eigen::Isometry3d::Identity(), kScale, withoutDrift());
-  vo::OdometryEstimate estimate = estimateWithNoise(motionAhead(kStep));
-  estimate.motion_offset_error(0) = kByOffset;
-  estimate.motion_covariance(0, 0) += kByOffset * kByOffset;
-  const ProtectionLevel level = levelAfter(levels, 11, estimate);
-  const double independent = 10.0 * (kTranslationStddev * kTranslationStddev + kByOffset * kByOffset);
-  const double common = std::pow(10.0 * kByOffset, 2) + std::pow(10.0 * kScale * kStep, 2);
+  const ProtectionLevel level = levelAfter(levels, 11, estimateWithNoise(motionAhead(kStep)));
+  const double independent = 10.0 * kTranslationStddev * kTranslationStddev;
+  const double common = std::pow(10.0 * kScale * kStep, 2);
   EXPECT_NEAR(level.motion.x(),
               kMotionFloor + kWayShare * 10.0 * kStep + kBoundFactor * std::sqrt(independent + common), 1e-9);
 }

@@ -54,7 +54,7 @@ void drive(const std::string& file) {
   const auto image = [&](int index) {
     return cv::Mat(kCamera.height, kCamera.width, CV_8UC1, bytes.data() + index * size);
   };
-  for (const Estimator estimator : {Estimator::reprojection, Estimator::window, Estimator::thesis}) {
+  for (const Estimator estimator : {Estimator::reprojection, Estimator::thesis}) {
     OdometrySettings settings;
     settings.estimator = estimator;
     settings.features = 300;

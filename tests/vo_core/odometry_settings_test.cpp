@@ -35,9 +35,7 @@ TEST(OdometrySettings, ErrorNamesTheValueAndItsRange) {
   EXPECT_EQ(errorOf([](OdometrySettings& s) { s.stereo.rows = 4; }), "stereo.rows is 4: expected 0 to 3");
   EXPECT_EQ(errorOf([](OdometrySettings& s) { s.motion.subset_size = 2; }),
             "motion.subset_size is 2: expected 3 to 100");
-  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.bundle.frames = 8; }), "bundle.frames is 8: expected 2 to 7");
-  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.bundle.convergence = 2.0; }),
-            "bundle.convergence is 2: expected 0 to 1");
+  EXPECT_EQ(errorOf([](OdometrySettings& s) { s.window.pairs = 8; }), "window.pairs is 8: expected 2 to 7");
   EXPECT_EQ(errorOf([](OdometrySettings& s) { s.refinement.frames = 9; }),
             "refinement.frames is 9: expected 1 to 8");
   EXPECT_EQ(errorOf([](OdometrySettings& s) { s.validity.maximum_speed = std::nan(""); }),

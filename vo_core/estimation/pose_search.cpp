@@ -17,7 +17,6 @@ namespace {
 constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
 constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
 constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
-constexpr double kWide = 2.0;               // factor on the gate for inaccurate poses
 constexpr double kConvergedStep = 1e-5;     // m and rad
 constexpr double kBehindCameraError = 1e3;  // normalised error of a point behind the camera
 static_assert(kSubsetSize <= kDoubleLanes);
@@ -198,7 +197,7 @@ class Search {
       }
       const auto pose = poseOf(subset);
       if (!pose || !explore(*pose)) continue;
-      if (const auto rough = refine(*pose, kWide * settings_.gate)) consider(refine(*rough, settings_.gate));
+      if (const auto rough = refine(*pose, kWideGate * settings_.gate)) consider(refine(*rough, settings_.gate));
     }
   }
 
@@ -221,7 +220,7 @@ class Search {
 
   /// Sum of the weights of the points that a pose fits roughly: the pose of a subset is inaccurate.
   double supportOf(const Eigen::Isometry3d& pose) const {
-    return sumOfFits(problem_, blocks_, fromAnchors(problem_, pose), kWide * settings_.gate, 0.0);
+    return sumOfFits(problem_, blocks_, fromAnchors(problem_, pose), kWideGate * settings_.gate, 0.0);
   }
 
   /// Score of a refined pose, with the kernel of S. Geman and D. McClure (1987), which falls to a half at one
@@ -327,7 +326,7 @@ void PoseFinder::setFlags(PoseProblem& problem, const Eigen::Isometry3d& T_world
   forEachError(problem, work_->points.blocks, T_world_camera, work_->squares, [&](int index, double error) {
     PosePoint& point = problem.points[index];
     point.inlier = error < gate;
-    point.outlier = error > kWide * gate;
+    point.outlier = error > kWideGate * gate;
   });
 }
 

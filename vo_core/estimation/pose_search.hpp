@@ -17,6 +17,8 @@
 
 namespace cartvo::vo {
 
+constexpr double kWideGate = 2.0;  ///< factor on the gate for inaccurate poses
+
 /// A landmark with a known depth that the current pair observes.
 struct PosePoint {
   int anchor = 0;                                      ///< index into PoseProblem::anchors
@@ -30,7 +32,7 @@ struct PosePoint {
   double row_noise = 0.0;
   bool still = false;    ///< whether it has kept its place in the left image
   bool inlier = false;   ///< result: within the gate of the pose found
-  bool outlier = false;  ///< result: beyond the gate of inaccurate poses, which is twice as wide
+  bool outlier = false;  ///< result: beyond the gate of inaccurate poses
 };
 
 /// Input of the pose search; the points' `inlier` and `outlier` are output.

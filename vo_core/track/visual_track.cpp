@@ -288,6 +288,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   draft.window.back().T_world_camera = found->T_world_camera;
   correctNewestRows(draft, found->T_world_camera);
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
   return true;
 }
 

@@ -142,7 +142,8 @@ void VisualTrack::updateLandmarks(Draft& draft) {
   for (const TrackWindow::AdjustedLandmark& adjusted : track_window_.landmarks()) {
     Landmark& landmark = draft.landmarks[adjusted.index];
     landmark.residuals.fade(memory);
-    landmark.residuals.add(adjusted.fit.square);
+    landmark.residuals.add(landmark.last().outlier ? std::pow(kWideGate * settings_.pose_search.gate, 2)
+                                                   : adjusted.fit.square);
     landmark.weight = std::min(1.0, landmark.residuals.weight(memory));
     const double information = adjusted.fit.information;
     if (!(information > 0.0) || (!landmark.hasDepth() && information < kCertainInformation)) continue;

@@ -18,6 +18,7 @@ namespace cartvo::vo {
 struct Observation {
   std::int64_t frame = -1;                                  ///< index of the pair
   bool stereo = false;                                      ///< whether it has a match in the right image
+  bool outlier = false;                                     ///< PosePoint::outlier of the pair's pose search
   Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< px
   Eigen::Vector2d stereo_offset = Eigen::Vector2d::Zero();  ///< px, left minus right position; x: disparity
   /// Stddev of each coordinate of `left` relative to that of a typical patch.

@@ -44,6 +44,7 @@ void toObservations(const Landmark& landmark, const RowTiming& timing,
   item.observations.clear();
   for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
     const Observation& seen = landmark.observations[i];
+    if (seen.outlier) continue;
     const auto* const pair = std::find_if(pairs.begin(), pairs.end(), [&](const WindowPair& candidate) {
       return candidate.index == seen.frame;
     });

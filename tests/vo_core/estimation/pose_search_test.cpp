@@ -34,6 +34,7 @@ PoseProblem simulateStreet(const Street& street, std::uint64_t seed) {
   test::Noise random(seed);
   PoseProblem problem;
   problem.camera = kRigCamera;
+  problem.noise.fill(0.15);
   problem.anchors = {kBefore, test::steadyDrive(test::kFramePeriod)};
   problem.start = kNow * motionFromVector(vector6(0.02, -0.01, -0.03, 0.003, 0.004, -0.002));
   problem.expected = problem.start;
@@ -213,7 +214,7 @@ TEST(PoseSearch, MarksOutliersBeyondTwiceTheGate) {
   PoseProblem problem = simulateStreet({.noise = 0.0, .depth_noise = 0.0}, 1);
   const double gate = PoseSearchSettings().gate;
   // The error is the RMS of two coordinates.
-  const double stddev = std::sqrt(2.0) * problem.noise[0].pixel;
+  const double stddev = std::sqrt(2.0) * problem.noise[0];
   const auto move = [&](int index, double errors) {
     problem.points[index].level = 0;
     problem.points[index].inverse_depth_stddev = 0.0;

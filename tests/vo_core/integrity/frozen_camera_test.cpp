@@ -238,8 +238,8 @@ TEST_F(FrozenAtStandstill, IsNotDetectedWhenTheCartStopsSuddenly) {
 }
 
 /// No image measures the motion during a long standstill, but its end is at rest.
-TEST_F(FrozenAtStandstill, TheWindowKnowsTheVelocityAfterIt) {
-  begin(Estimator::window);
+TEST_F(FrozenAtStandstill, VelocityIsKnownAfterIt) {
+  begin();
   int moving = 0;
   while (pair() < kStands + 12) {
     const int i = pair();

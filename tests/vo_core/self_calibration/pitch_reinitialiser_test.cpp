@@ -38,7 +38,7 @@ class Search {
     const int levels = TrackingSettings{}.levels;
     const ImagePyramid left_pyramid = buildPyramid(left, levels), right_pyramid = buildPyramid(right, levels);
     window_.back().index = index;
-    RigCalibrationFilter rig = rig_;
+    RigCalibration rig = rig_;
     const bool found = reinitialiser.tryReinitialise(
         {tracker_, kCamera, timing_, left_pyramid, right_pyramid, window_}, T_right_left_, landmarks_, rig);
     if (!found) {
@@ -74,7 +74,7 @@ class Search {
       landmark.observations.resize(1);
     return landmarks;
   }();
-  RigCalibrationFilter rig_;
+  RigCalibration rig_;
   double stddev_ = 0.0;
   Eigen::Isometry3d T_right_left_{Eigen::Translation3d(-kCamera.baseline, 0.0, 0.0)};
 };

@@ -163,9 +163,7 @@ TEST_F(LandmarkTrackerTest, ReplacesAnOldAnchorAndKeepsTheDepth) {
     EXPECT_EQ(landmark.anchor().frame, 1);
     EXPECT_EQ(landmark.observations.size(), 2U);
     EXPECT_NEAR(landmark.inverse_depth, inverse_depth, 1e-9);  // the camera has moved along the wall
-    EXPECT_EQ(landmark.prior_inverse_depth, landmark.inverse_depth);
-    // Reduced because the depth was estimated relative to poses with errors.
-    EXPECT_NEAR(landmark.prior_information, settings_.bundle.fixed_pose_weight * kInformation, 1e-6);
+    EXPECT_NEAR(landmark.information, kInformation, 1e-6);
   }
   EXPECT_LT(medianError(), 0.03);
 }

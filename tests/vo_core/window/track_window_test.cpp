@@ -201,7 +201,7 @@ Errors drivenWith(const Drive& drive) {
     const std::size_t older = frames.size() - adjusted->pairs.size();
     for (std::size_t i = 0; i < adjusted->pairs.size(); ++i) {
       frames[older + i].T_world_camera = adjusted->pairs[i].T_world_camera;
-      frames[older + i].uncertainty.pose = adjusted->pairs[i].pose_covariance;
+      frames[older + i].pose_covariance = adjusted->pairs[i].pose_covariance;
     }
     const Eigen::Isometry3d from = truthAt(drive, (pair - 1) * kPeriod), to = truthAt(drive, pair * kPeriod);
     const Eigen::Isometry3d motion =
@@ -219,11 +219,11 @@ Errors drivenWith(const Drive& drive) {
     errors.right_turn += vectorFromMotion(predicted->right.T_left_right.inverse() * to.inverse() * right)
                              .tail<3>()
                              .squaredNorm();
-    errors.depths = adjusted->inverse_depths.size();
+    errors.depths = window.landmarks().size();
     errors.depth = 0.0;
-    for (const auto& [index, inverse_depth] : adjusted->inverse_depths)
-      errors.depth +=
-          std::abs(inverse_depth - world.inverseDepth(index)) / static_cast<double>(errors.depths);
+    for (const TrackWindow::AdjustedLandmark& landmark : window.landmarks())
+      errors.depth += std::abs(landmark.inverse_depth - world.inverseDepth(landmark.index)) /
+                      static_cast<double>(errors.depths);
     ++errors.pairs;
     errors.motion += error.head<3>().squaredNorm();
     errors.turn += error.tail<3>().squaredNorm();

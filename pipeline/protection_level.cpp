@@ -127,8 +127,7 @@ ProtectionLevels::LastSecond ProtectionLevels::lastSecond() const {
                                          [](const Motion& motion) { return motion.starts_valid; });
   for (auto it = oldest_valid; it != motions_.end(); ++it) {
     const Motion& motion = *it;
-    uncertainty =
-        vo::afterMotion(uncertainty, motion.T_previous_current, motion.covariance, uncertainty_);
+    uncertainty = vo::afterMotion(uncertainty, motion.T_previous_current, motion.covariance, uncertainty_);
     T_start_current = T_start_current * motion.T_previous_current;
   }
   const vo::Vector6d by_scale = scaleError(T_start_current, scale_stddev_);

@@ -147,12 +147,12 @@ struct OdometrySettings {
   StereoSettings stereo;
   MotionSettings motion;  ///< `estimator: thesis` only
   HistorySettings history;
-  RefinementSettings refinement;                          ///< `estimator: thesis` only
-  PoseSearchSettings pose_search;                         ///< `estimator: reprojection` only
-  WindowSettings window;                                  ///< `estimator: reprojection` only
-  UncertaintySettings uncertainty;                        ///< `estimator: reprojection` only
-  StandstillSettings standstill;                          ///< `estimator: reprojection` only
-  double unknown_velocity = 3.0;  ///< m/s, stddev before the first motion; `estimator: reprojection` only
+  RefinementSettings refinement;    ///< `estimator: thesis` only
+  PoseSearchSettings pose_search;   ///< `estimator: reprojection` only
+  WindowSettings window;            ///< `estimator: reprojection` only
+  UncertaintySettings uncertainty;  ///< `estimator: reprojection` only
+  StandstillSettings standstill;    ///< `estimator: reprojection` only
+  double unknown_velocity = 3.0;    ///< m/s, stddev before the first motion; `estimator: reprojection` only
   RigRefinement rig_refinement = RigRefinement::correct;  ///< `estimator: reprojection` only
   SelfCalibrationSettings self_calibration;               ///< `estimator: reprojection` only
   ValiditySettings validity;

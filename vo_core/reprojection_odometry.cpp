@@ -222,7 +222,8 @@ LearntByTracks ReprojectionOdometry::latestLearnt() const {
                                                      : shutter.readout_stddev};
     };
     const auto& [left, right] = timing_.shutters();
-    return {RigCalibration(settings_.self_calibration), {readout_of(left), readout_of(right)},
+    return {RigCalibration(settings_.self_calibration),
+            {readout_of(left), readout_of(right)},
             StillRegions(camera_)};
   }
   LearntByTracks learnt = track_->learnt();

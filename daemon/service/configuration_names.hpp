@@ -42,8 +42,7 @@ constexpr std::array<std::pair<const char*, RecordingStart>, 2> kRecordingStarts
 constexpr std::array<std::pair<const char*, vo::RigRefinement>, 2> kRigRefinements{
     {{"off", vo::RigRefinement::off}, {"correct", vo::RigRefinement::correct}}};
 constexpr std::array<std::pair<const char*, vo::Estimator>, 2> kEstimators{
-    {{"reprojection", vo::Estimator::reprojection},
-     {"thesis", vo::Estimator::thesis}}};
+    {{"reprojection", vo::Estimator::reprojection}, {"thesis", vo::Estimator::thesis}}};
 
 template <typename Value, std::size_t count>
 const char* nameOf(Value value, const std::array<std::pair<const char*, Value>, count>& choices) {

@@ -11,7 +11,7 @@ import tempfile
 from laboratory import drives
 from laboratory.program import LabError
 
-ESTIMATORS = ["reprojection", "window", "thesis"]  # the default first
+ESTIMATORS = ["reprojection", "thesis"]  # the default first
 
 
 @dataclasses.dataclass

@@ -15,7 +15,7 @@ from laboratory.table import NONE, Table, fixed
 
 HELP = "How much the results depend on each tuned constant: each a little smaller and larger, beside runs that differ by chance"
 EXAMPLES = """  lab/lab sensitivity --constants list                              all of them, and the limits of the product
-  lab/lab sensitivity --constants stereo.uniqueness,bundle.frames
+  lab/lab sensitivity --constants stereo.uniqueness,window.pairs
   lab/lab sensitivity --scenarios dusk,low_texture --factor 1000    each at the ends of its range"""
 SET = "tuning"
 LEAST_RATIO, LEAST_COUNT = 0.002, 1.0  # smallest changes by chance that count, of few runs

@@ -29,7 +29,6 @@ class Status:
 class Estimator:
     """Method that estimates the motion."""
     REPROJECTION: ClassVar[Estimator]
-    WINDOW: ClassVar[Estimator]
     THESIS: ClassVar[Estimator]
     def __init__(self, value: int) -> None: ...
     @property

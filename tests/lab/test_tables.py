@@ -102,11 +102,11 @@ def test_sensitivity_is_in_multiples_of_chance(result):
         return {**result(translation=translation), "constant": constant, "side": side, "change": change}
 
     results = [run("default", 0, 0.1), run("chance", 0, 0.101, ("seed", 2)), run("stereo.rows", -1, 0.11, ("stereo.rows", 0)),
-               run("stereo.rows", 1, 0.1, ("stereo.rows", 2)), {"sequence": "campus 1", "constant": "bundle.frames", "side": 1,
-                                                               "change": ("bundle.frames", 8)}]
+               run("stereo.rows", 1, 0.1, ("stereo.rows", 2)), {"sequence": "campus 1", "constant": "window.pairs", "side": 1,
+                                                               "change": ("window.pairs", 8)}]
     rows = sensitivity.report(results)[0][0].rows
     assert rows[0][0] == "stereo.rows" and rows[0][1] == "0 / 2" and float(rows[0][-1]) > 5
-    assert rows[1] == ["bundle.frames", f"{NONE} / {NONE}", *[f"{NONE} / {NONE}"] * 4, "0.0"]
+    assert rows[1] == ["window.pairs", f"{NONE} / {NONE}", *[f"{NONE} / {NONE}"] * 4, "0.0"]
 
 
 def test_limits_hold_medians_of_errors_and_largest_counts(result, capsys):

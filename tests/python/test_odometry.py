@@ -193,7 +193,7 @@ def test_settings(camera):
 
 def test_tuned_constants(camera):
     constants = {constant.name: constant for constant in cartvo.tuned_constants()}
-    frames, ratio = constants["bundle.frames"], constants["stereo.uniqueness"]
+    frames, ratio = constants["window.pairs"], constants["stereo.uniqueness"]
     assert frames.is_integer and not ratio.is_integer and frames.low <= frames.default <= frames.high
     settings = cartvo.Settings()
     settings.set_constant("stereo.uniqueness", 0.5)

@@ -197,7 +197,8 @@ class Search {
       }
       const auto pose = poseOf(subset);
       if (!pose || !explore(*pose)) continue;
-      if (const auto rough = refine(*pose, kWideGate * settings_.gate)) consider(refine(*rough, settings_.gate));
+      if (const auto rough = refine(*pose, kWideGate * settings_.gate))
+        consider(refine(*rough, settings_.gate));
     }
   }
 

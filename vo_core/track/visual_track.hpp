@@ -44,10 +44,10 @@ struct TrackedMotion {
   double time_step = 0.0;                        ///< s since the last tracked pair
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
-  /// Covariance of the motion (m and rad, perturbations on the right) by the window, by a standstill, or by the
-  /// pose where that ended, and by the shifts of key frames that were removed from it.
+  /// Covariance of the motion (m and rad, perturbations on the right) by the window, by a standstill, or by
+  /// the pose where that ended, and by the shifts of key frames that were removed from it.
   Matrix6d by_window = Matrix6d::Zero(), by_standstill = Matrix6d::Zero(), by_codec_shift = Matrix6d::Zero();
-  double codec_inflation = 1.0;         ///< factor on that by the window: PreparedPair::pose_noise_inflation
+  double codec_inflation = 1.0;        ///< factor on that by the window: PreparedPair::pose_noise_inflation
   bool noise_is_uncalibrated = false;  ///< one of the first motions: their noise is still an assumption
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
   FeatureCounts counts;
@@ -114,7 +114,7 @@ class VisualTrack {
     Estimates estimates;                                      ///< set by adjust()
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
     bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
-    MotionPredictions predictions{};                        
+    MotionPredictions predictions{};
   };
 
   // visual_track.cpp

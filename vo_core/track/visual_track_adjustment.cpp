@@ -85,8 +85,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.by_window = adjusted->motion_covariance;
   motion.codec_inflation = pair.pose_noise_inflation;
   motion.noise_is_uncalibrated = static_cast<int>(draft.window.size()) <= settings_.window.pairs;
-  motion.twist =
-      ExposureTwist{adjusted->twist.value, pair.pose_noise_inflation * adjusted->twist.covariance};
+  motion.twist = ExposureTwist{adjusted->twist.value, pair.pose_noise_inflation * adjusted->twist.covariance};
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;

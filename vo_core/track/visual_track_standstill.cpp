@@ -35,8 +35,7 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
 std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<WindowFrame>& window,
                                                             const std::vector<Landmark>& landmarks) {
   PoseProblem& problem = pose_problem_;
-  problem.start =
-      window.back().T_world_camera * rightFromLeft(window.back(), camera_.baseline).inverse();
+  problem.start = window.back().T_world_camera * rightFromLeft(window.back(), camera_.baseline).inverse();
   problem.expected = problem.start;
   toPosePoints(landmarks, window, camera_, problem.points, chosen_);
   toRightCameraPoints(landmarks, chosen_, camera_, estimates_.rig.correction(), problem.points);
@@ -64,8 +63,7 @@ void VisualTrack::checkRightCamera(const PreparedPair& pair, Draft& draft, Integ
                          2.0 * offset * velocity_.value_or(Vector6d::Zero()));
   }
   matchStereoRotated({tracker_, camera_, timing_, *pair.left, *pair.right, draft.window},
-                     rightFromLeft(draft.window.back(), camera_.baseline), estimates_.rig,
-                     draft.landmarks);
+                     rightFromLeft(draft.window.back(), camera_.baseline), estimates_.rig, draft.landmarks);
   const RightMotion right = frozen_camera_.update(localiseRight(draft.window, draft.landmarks),
                                                   pair.left_exposure_ns, evidence.left_repeats);
   discardLastStereo(draft.landmarks);

@@ -34,8 +34,7 @@ class PredictionErrors {
  private:
   double memory_;  ///< weight of the previous pairs, per pair
   /// Squared errors of the mean, and of the extrapolation over one second: its errors are those of a jerk.
-  MotionComponents mean_ = MotionComponents::Zero(),
-                         extrapolated_ = MotionComponents::Zero();
+  MotionComponents mean_ = MotionComponents::Zero(), extrapolated_ = MotionComponents::Zero();
 };
 
 }  // namespace cartvo::vo

@@ -78,8 +78,7 @@ double depthByMotion(const WindowProblem& problem, const WindowLandmark& landmar
     const Eigen::Matrix3d to_camera = camera.rotation.transpose();
     const Eigen::Vector3d far = to_camera * (landmark.T_world_host.linear() *
                                              Eigen::Vector3d(landmark.place.x(), landmark.place.y(), 1.0));
-    const Eigen::Vector3d by_depth =
-        to_camera * (landmark.T_world_host.translation() - camera.position);
+    const Eigen::Vector3d by_depth = to_camera * (landmark.T_world_host.translation() - camera.position);
     const Eigen::Vector3d bearing = bearingOf(problem.camera, seen.left);
     const Eigen::Vector2d slope = by_depth.head<2>() - by_depth.z() * bearing.head<2>();
     numerator += slope.dot(far.z() * bearing.head<2>() - far.head<2>());

@@ -14,7 +14,7 @@
 #include "vo_core/tracking/window_frame.hpp"
 #include "vo_core/window/window_solver.hpp"
 
-// The window of `estimator: window` from pair to pair.
+// The window of `estimator: reprojection` from pair to pair.
 
 namespace cartvo::vo {
 
@@ -59,9 +59,9 @@ class TrackWindow {
   };
   /// A landmark that took part.
   struct AdjustedLandmark {
-    std::size_t index;          ///< into TrackWindowInput::landmarks
+    std::size_t index;           ///< into TrackWindowInput::landmarks
     double inverse_depth = 0.0;  ///< 1/m, in the anchor's camera at its exposure
-    LandmarkFit fit;            ///< without information if it is not in front of that camera
+    LandmarkFit fit;             ///< without information if it is not in front of that camera
   };
 
   /// The newest pair, whose right positions are not known yet, by its left ones; without covariance. Nothing

@@ -12,7 +12,8 @@
 #include "vo_core/stereo_camera.hpp"
 #include "vo_core/window/trajectory.hpp"
 
-// The window of `estimator: window` as plain data: trajectory, rig, landmarks, observations, noise and prior.
+// The window of `estimator: reprojection` as plain data: trajectory, rig, landmarks, observations, noise and
+// prior.
 
 namespace cartvo::vo {
 

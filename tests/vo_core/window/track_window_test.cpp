@@ -1,5 +1,5 @@
-// The window of `estimator: window` on simulated measurements of a lively drive: accuracy against the bound,
-// covariances against errors, unknown readouts and offsets.
+// The window of `estimator: reprojection` on simulated measurements of a lively drive: accuracy against the
+// bound, covariances against errors, unknown readouts and offsets.
 #include "vo_core/window/track_window.hpp"
 
 #include <Eigen/Cholesky>

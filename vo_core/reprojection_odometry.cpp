@@ -217,9 +217,10 @@ void ReprojectionOdometry::compensateCodecShift(const PreparedPair& pair, Tracke
 LearntByTracks ReprojectionOdometry::latestLearnt() const {
   if (!track_) {
     const auto readout_of = [this](const Shutter& shutter) {
-      return EstimateWithStddev{shutter.readout, shutter.isStated()
-                                                     ? settings_.self_calibration.readout_stddev
-                                                     : shutter.readout_stddev};
+      EstimateWithStddev readout{shutter.readout, shutter.readout_stddev};
+      if (shutter.readout != 0.0 && readout.stddev == 0.0)
+        readout.stddev = settings_.self_calibration.readout_stddev;
+      return readout;
     };
     const auto& [left, right] = timing_.shutters();
     return {RigCalibration(settings_.self_calibration),

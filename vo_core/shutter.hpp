@@ -42,7 +42,6 @@ struct Shutter {
   double readout_stddev = 0.0;  ///< s; 0: known exactly
   RowShares rows;
 
-  bool isStated() const { return readout_stddev == 0.0; }  ///< whether the readout is known
   /// Whether pixels are exposed at different instants, or may be.
   bool isRolling() const { return readout != 0.0 || readout_stddev > 0.0; }
 };

@@ -75,6 +75,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
+  right_rows_.reserve(settings.features);
   {
     const StageScope stage(observer, Stage::detect);
     tracker_.replenish(landmarks_, *first.left, first.index);
@@ -160,7 +161,6 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const bool enough_landmarks = motion.counts.matched >= kMajority * landmarks_when_stopped_;
     if (still_stands && enough_landmarks) return motion;
   }
-  if (!still_stands) predictByWindow(pair, draft);
   // The pair is added if its motion is valid. In a standstill, too many landmarks of its start are lost.
   replenishLandmarks(pair, draft, motion, observer);
   const StageScope stage(observer, Stage::weights);
@@ -219,6 +219,7 @@ void VisualTrack::replenishLandmarks(const PreparedPair& pair, Draft& draft, Tra
     motion.counts.detected = static_cast<int>(draft.landmarks.size());
   }
   const StageScope stage(observer, Stage::disparity);
+  if (!standing_ || !motion.evidence.stands) predictByWindow(pair, draft);
   matchStereo(pair, draft.window, pitch_reinitialiser_, draft.landmarks);
   motion.counts.stereo = countStereo(draft.landmarks);
 }

@@ -61,7 +61,7 @@ struct TrackedMotion {
 /// Estimates about the cameras that one track hands to the next.
 struct LearntByTracks {
   RigCalibration rig;
-  ReadoutEstimates readouts;  ///< as the images show them; those that are stated are not used
+  ReadoutEstimates readouts;
   StillRegions still_regions;
   /// Share of the landmarks that have a match in the right image, mean of the last pairs. At dusk few corners
   /// of a first picture are found again, so a low share of one pair means nothing.
@@ -154,6 +154,7 @@ class VisualTrack {
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
+  bool restartAfterBump(Draft& draft);
   void updateLandmarks(Draft& draft);
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;
@@ -185,6 +186,7 @@ class VisualTrack {
   PoseProblem pose_problem_;
   PoseFinder pose_finder_;
   TrackWindow track_window_;
+  std::vector<double> right_rows_;
 };
 
 }  // namespace cartvo::vo

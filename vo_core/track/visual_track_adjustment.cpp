@@ -9,7 +9,7 @@
 namespace cartvo::vo {
 namespace {
 
-// s, of a stated readout and of exact time stamps: images of hours do not outweigh it.
+// s, of exact time stamps, and of the readout of a global shutter: images of hours do not outweigh it.
 constexpr double kKnownStddev = 1e-8;
 // m^2, of a stddev of 0.05 / m: a depth from motion that is more certain than this is used.
 constexpr double kCertainInformation = 400.0;
@@ -27,12 +27,11 @@ EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, 
 /// Knowledge of the cameras before a window: readouts and rig as estimated so far.
 SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair) const {
   const SelfCalibrationSettings& settings = settings_.self_calibration;
-  const StereoShutters& shutters = timing_.shutters();
+  const auto& [left, right] = estimates_.readouts;
   const RigStates& rig = estimates_.rig.states();
   SharedPrior prior;
-  prior.mean << shutters.left.readout, shutters.right.readout, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
-  prior.stddev.head<kOffset>() << (shutters.left.isStated() ? kKnownStddev : estimates_.readouts.left.stddev),
-      (shutters.right.isStated() ? kKnownStddev : estimates_.readouts.right.stddev);
+  prior.mean << left.value, right.value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  prior.stddev.head<kOffset>() << std::max(left.stddev, kKnownStddev), std::max(right.stddev, kKnownStddev);
   prior.stddev[kOffset] = std::max(pair.offset_stddev, kKnownStddev);
   prior.drift[kOffset] = pair.offset_stddev > 0.0 ? settings.delay_drift : 0.0;
   if (!estimatesRig()) return prior;
@@ -69,13 +68,17 @@ void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
 
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  draft.estimates = estimates_;
-  const SharedPrior prior = sharedPrior(pair);
-  const auto adjusted = track_window_.adjust(windowInput(pair, prior, draft));
+  SharedPrior prior = sharedPrior(pair);
+  auto adjusted = track_window_.adjust(windowInput(pair, prior, draft));
+  if (adjusted && restartAfterBump(draft)) {
+    prior = sharedPrior(pair);
+    adjusted = track_window_.adjust(windowInput(pair, prior, draft));
+  }
   if (!adjusted) {
     motion.reason = OdometryReason::degenerate_geometry;
     return;
   }
+  draft.estimates = estimates_;
   useAdjusted(*adjusted, prior, draft);
   WindowFrame& newest = draft.window.back();
   newest.pose_covariance *= pair.pose_noise_inflation;
@@ -101,6 +104,27 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   accept(pair, draft);
 }
 
+/// Whether the right camera has been turned since the last pair: the rows of most of its matches are
+/// displaced. The window then begins anew, without the right positions seen before.
+bool VisualTrack::restartAfterBump(Draft& draft) {
+  if (!estimatesRig()) return false;
+  right_rows_.clear();
+  for (const TrackWindow::AdjustedLandmark& adjusted : track_window_.landmarks())
+    if (draft.landmarks[adjusted.index].last().stereo) right_rows_.push_back(adjusted.fit.right_row);
+  if (static_cast<int>(right_rows_.size()) < settings_.validity.minimum_matches) return false;
+  const auto middle = right_rows_.begin() + static_cast<std::ptrdiff_t>(right_rows_.size() / 2);
+  std::nth_element(right_rows_.begin(), middle, right_rows_.end());
+  const double noise = stereo_look::kRowNoise / camera_.focal_length;  // rad
+  const double turned = *middle / camera_.focal_length;
+  if (std::abs(turned) < 2.0 * noise) return false;
+  estimates_.rig.reinitialisePitch({estimates_.rig.states().pitch.value + turned, noise});
+  for (Landmark& landmark : draft.landmarks)
+    for (Observation& observation : landmark.observations)
+      if (observation.frame != draft.window.back().index) observation.stereo = false;
+  track_window_.forget();
+  return true;
+}
+
 /// Sets poses, motions, landmarks and the estimates about the cameras to those of the adjusted window.
 void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft) {
   const std::size_t older = draft.window.size() - adjusted.pairs.size();
@@ -116,20 +140,18 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   Estimates& estimates = draft.estimates;
   estimates.prediction_errors.update(draft.predictions, draft.window.back().motion);
   const SelfCalibrationSettings& settings = settings_.self_calibration;
-  const auto estimate_of = [&](SharedState state, double wide) {
-    const EstimateWithStddev found = adjusted.estimate(state);
-    const double narrow = prior.stddev[state];
-    return narrow > kKnownStddev ? found : withWiderPrior(found, prior.mean[state], narrow, wide);
-  };
   const auto readout_of = [&](SharedState state) {
-    EstimateWithStddev readout = estimate_of(state, settings.readout_stddev);
-    readout.stddev = std::hypot(readout.stddev, settings.readout_model_stddev);
+    EstimateWithStddev readout = adjusted.estimate(state);
+    if (prior.stddev[state] > kKnownStddev)
+      readout.stddev = std::hypot(readout.stddev, settings.readout_model_stddev);
     return readout;
   };
   if (timing_.mayRoll()) estimates.readouts = {readout_of(kLeftReadout), readout_of(kRightReadout)};
   if (!estimatesRig()) return;
-  estimates.rig.set({adjusted.estimate(kPitch), adjusted.estimate(kYaw), adjusted.estimate(kRoll),
-                     estimate_of(kOffset, settings.delay_stddev)});
+  EstimateWithStddev delay = adjusted.estimate(kOffset);
+  if (const double known = prior.stddev[kOffset]; known == kKnownStddev)
+    delay = withWiderPrior(delay, 0.0, known, settings.delay_stddev);
+  estimates.rig.set({adjusted.estimate(kPitch), adjusted.estimate(kYaw), adjusted.estimate(kRoll), delay});
 }
 
 /// Updates the landmarks' depths, and their weights from their residuals; removes those with little weight.

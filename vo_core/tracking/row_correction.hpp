@@ -35,10 +35,10 @@ class RowTiming {
   }
   const StereoShutters& shutters() const { return shutters_; }
 
-  /// Times rows with these estimates of the readouts that are not stated.
-  void use(const ReadoutEstimates& estimates) {
-    if (!shutters_.left.isStated()) shutters_.left.readout = estimates.left.value;
-    if (!shutters_.right.isStated()) shutters_.right.readout = estimates.right.value;
+  /// Times rows with these readouts.
+  void use(const ReadoutEstimates& readouts) {
+    shutters_.left.readout = readouts.left.value;
+    shutters_.right.readout = readouts.right.value;
   }
 
   /// Half of the longer readout, s, at least a millisecond.

@@ -71,6 +71,8 @@ class TrackWindow {
   /// result; without it, the pair is forgotten.
   std::optional<Adjusted> adjust(const TrackWindowInput& input);
   void accept();
+  /// Begins anew with the next pair.
+  void forget();
   /// Landmarks of the last adjust().
   const std::vector<AdjustedLandmark>& landmarks() const { return adjusted_; }
   const WindowNoises& noise() const { return state_.problem.noise; }

@@ -103,6 +103,7 @@ WindowEquations::Eliminated WindowEquations::eliminate(const WindowProblem& prob
     }
   }
   const ObservationEquations& newest = rows[count - 1];
+  result.fit.right_row = newest.residual()[3];
   result.fit.square = landmark.observations.back().stereo ? 0.25 * (newest.squareIn(0) + newest.squareIn(1))
                                                           : 0.5 * newest.squareIn(0);
   if (freedom < 0.0 || (gated && squares > kGate * std::max(freedom, 1.0))) return result;

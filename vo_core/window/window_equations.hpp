@@ -34,6 +34,7 @@ class WindowNoiseSums {
 /// How a landmark fits the trajectory.
 struct LandmarkFit {
   double square = 0.0;       ///< mean of its newest residuals over their scales, squared
+  double right_row = 0.0;    ///< px, residual of its newest row in the right image, if it has one
   double information = 0.0;  ///< m^2, of its inverse depth given all poses; 0: it has been left out
 };
 

@@ -124,6 +124,18 @@ TEST(RollingShutter, WhoseReadoutIsUnknownIsEstimated) {
   }
 }
 
+TEST(RollingShutter, WhoseStatedReadoutIsWrongIsCorrected) {
+  constexpr double kStated = 0.028;
+  const Errors errors = errorsOf({.liveliness = 3.0}, shuttersOf(kStated, 0.0));
+  const Errors right = errorsOf({.liveliness = 3.0}, shuttersOf(kReadout, 0.0));
+  ASSERT_TRUE(errors.readouts);
+  for (const EstimateWithStddev& readout : {errors.readouts->left, errors.readouts->right}) {
+    EXPECT_GT(readout.value, kStated + 2.0 * readout.stddev);
+    EXPECT_NEAR(readout.value, kReadout, 3.0 * readout.stddev);
+  }
+  EXPECT_LT(errors.rotation, 1.5 * right.rotation);
+}
+
 // A readout that was estimated with the motions that it timed made velocities of 100 m/s and more.
 TEST(RollingShutter, WhoseReadoutIsUnknownDoesNoHarmOnALivelyDrive) {
   for (const double readout : {0.030, 0.0}) {

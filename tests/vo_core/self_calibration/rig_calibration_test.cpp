@@ -1,4 +1,6 @@
 // Tests of the rig's self-calibration on rendered drives with a rotated or delayed right camera.
+#include "vo_core/self_calibration/rig_calibration.hpp"
+
 #include <cmath>
 #include <vector>
 
@@ -19,7 +21,7 @@ const StereoCamera kCamera{260.0, 208.0, 112.0, 0.2, 416, 224};
 constexpr double kPeriod = 0.05;  // s
 constexpr double kTolerance = 0.03 * kRadiansPerDegree;
 constexpr int kFeatures = 400, kFeaturesAtNight = 1000;
-constexpr int kPairs = 16;
+constexpr int kPairs = 16, kPairsOfABump = 40;
 
 /// 3 m/s, swinging from side to side and nodding.
 Eigen::Isometry3d drive(double time) {
@@ -33,21 +35,22 @@ Eigen::Isometry3d drive(double time) {
 const cv::Mat& leftImage(const test::CorridorWorld& world, int i) {
   static const std::vector<cv::Mat> images = [&world] {
     std::vector<cv::Mat> rendered;
-    for (int frame = 0; frame < kPairs; ++frame)
+    for (int frame = 0; frame < kPairsOfABump; ++frame)
       rendered.push_back(world.view(kCamera, drive(frame * kPeriod)));
     return rendered;
   }();
   return images[i];
 }
 
-/// Pairs of a right camera rotated by `turned` and exposed `late` s later than its timestamps.
-std::vector<StereoImages> drivenWith(const RigCorrection& turned, double late, int count) {
+/// Pairs of a right camera rotated by `turned`, from the pair `first` on, and exposed `late` s later than its
+/// timestamps.
+std::vector<StereoImages> drivenWith(const RigCorrection& turned, double late, int count, int first = 0) {
   const test::CorridorWorld world(1);
   std::vector<StereoImages> pairs;
   for (int i = 0; i < count; ++i) {
     const double time = i * kPeriod;
     Eigen::Isometry3d right = drive(time + late) * Eigen::Translation3d(kCamera.baseline, 0.0, 0.0);
-    right.rotate(turned.rotation());
+    if (i >= first) right.rotate(turned.rotation());
     const std::int64_t stamp = std::llround(1e9 * time);
     pairs.push_back({leftImage(world, i), world.view(kCamera, right), stamp, stamp});
   }
@@ -119,6 +122,18 @@ TEST(RigCalibrationError, FindsAllAnglesAtOnce) {
   EXPECT_NEAR(result.path, kTruePath, 0.05 * kTruePath);
 }
 
+/// Somebody pushes the right camera while the cart drives.
+TEST(RigCalibrationError, FollowsABump) {
+  constexpr int kBump = 12;
+  constexpr double kWay = 3.0 * kPeriod * (kPairsOfABump - 1);
+  for (const double degrees : {0.05, 0.15, 0.5}) {
+    const double pitch = degrees * kRadiansPerDegree;
+    const Driven result = estimated(drivenWith({.pitch = pitch}, 0.0, kPairsOfABump, kBump));
+    EXPECT_NEAR(result.error.pitch.value, pitch, kTolerance) << degrees;
+    EXPECT_NEAR(result.path, kWay, 0.03 * kWay) << degrees;
+  }
+}
+
 std::vector<StereoImages> atNight(std::vector<StereoImages> pairs) {
   cv::RNG random(7);
   for (StereoImages& pair : pairs)
@@ -181,6 +196,37 @@ TEST(RigCalibrationError, FindsTheDelayOfTheRightCamera) {
     EXPECT_NEAR(error.delay.value, late, 0.001);
     EXPECT_LT(error.delay.stddev, 0.001);
   }
+}
+
+TEST(RigCalibration, CorrectsSignificantAnglesUpToALimit) {
+  const SelfCalibrationSettings settings;
+  const double limit = settings.maximum_rotation;
+  RigCalibration rig(settings);
+  rig.set({{1e-3, 2e-3}, {-2.0 * limit, 1e-5}, {2e-3, 1e-3}, {0.0, 1e-3}});
+  const RigCorrection correction = rig.correction();
+  EXPECT_EQ(correction.pitch, 0.0) << "below its deviation";
+  EXPECT_EQ(correction.yaw, -limit);
+  EXPECT_NEAR(correction.roll, 2e-3 - 1e-3 * 1e-3 / 2e-3, 1e-12);
+  EXPECT_EQ(rig.expected().pitch, 1e-3) << "the search for matches follows the estimate";
+  EXPECT_GT(rig.error().yaw.stddev, settings.uncorrected_yaw_share * 0.9 * limit) << "depths are wrong";
+  EXPECT_NEAR(rig.error().observability.roll, 1.0 - 1.0 / 9.0, 1e-12);
+}
+
+TEST(RigCalibration, KeepsAYawUntilAnotherIsMeasured) {
+  RigCalibration rig;
+  rig.set({{}, {1e-3, 1e-4}, {}, {}});
+  rig.set({{}, {5e-3, 1e-3}, {}, {}});
+  EXPECT_EQ(rig.states().yaw.value, 1e-3);
+}
+
+TEST(RigCalibration, KnowsLittleOfTheOtherAnglesAfterABump) {
+  const SelfCalibrationSettings settings;
+  RigCalibration rig(settings);
+  rig.set({{1e-3, 1e-5}, {1e-3, 1e-5}, {1e-3, 1e-5}, {}});
+  rig.reinitialisePitch({4e-3, 1e-4});
+  EXPECT_EQ(rig.states().pitch.value, 4e-3);
+  EXPECT_NEAR(rig.states().roll.stddev, settings.calibration_stddev, 1e-6);
+  EXPECT_NEAR(rig.states().yaw.stddev, settings.calibration_stddev, 1e-6);
 }
 
 TEST(RigCalibrationError, IsEmptyWithoutRigRefinement) {

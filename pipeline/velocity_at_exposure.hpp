@@ -4,7 +4,8 @@
 
 #include "vo_core/rigid_motion.hpp"
 
-// Velocity at the exposure instant, from mean velocities over the frame periods.
+// Velocity at the exposure instant, from mean velocities over the frame periods: for estimates without a
+// twist.
 
 namespace cartvo::pipeline {
 

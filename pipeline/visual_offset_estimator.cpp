@@ -11,8 +11,8 @@ namespace {
 constexpr double kMemory = 10.0;          // s: about that of the odometry's estimate of the delay
 constexpr double kMaxStddev_ns = 3e6;     // an estimate with a larger one is worse than arrival times
 constexpr double kStddevGrowth_ns = 1e4;  // per second without a new estimate
-// The odometry underestimates an offset of 25 ms by 10 %, one of 45 ms by half (docs/architecture.md).
-// The remaining offset shrinks as the estimate is applied to the timestamps.
+// Share by which the odometry may underestimate an offset; it grows with offsets beyond the linear range. The
+// remaining offset shrinks as the estimate is applied to the timestamps.
 constexpr double kUnderestimate = 0.1;
 constexpr double kLinearRange_ns = 12e6;
 

@@ -9,8 +9,8 @@ namespace cartvo::pipeline {
 
 /// Estimates the time offset (right exposure minus left) relative to the minimum-delay arrival times from the
 /// images: the correction already applied to the timestamps plus the residual offset that the odometry
-/// estimates. The offset shows in the rows of the right image whenever the cart moves: forward motion and
-/// bumps suffice, not only turns. Not thread-safe.
+/// estimates. The offset shows in the right image whenever the cart moves: forward motion and bumps suffice,
+/// not only turns. Not thread-safe.
 class VisualOffsetEstimator {
  public:
   /// Adds a processed pair. `rig`: its rig calibration errors, empty while unknown. `applied_correction_ns`:

@@ -10,8 +10,8 @@
 
 namespace cartvo::vo {
 
-/// `estimator: reprojection`: robust least squares over a window of pairs on the reprojection error in both
-/// images, each at its own exposure instant.
+/// `estimator: reprojection`: the most likely continuous trajectory by the reprojection errors in both images
+/// of a window of pairs, each coordinate at the instant of its own row.
 std::unique_ptr<OdometryMethod> makeReprojectionOdometry(const StereoCamera& camera,
                                                          const OdometrySettings& settings,
                                                          const StereoShutters& shutters,

@@ -15,12 +15,12 @@ struct SelfCalibrationSettings {
   double delay_drift = 5e-5;     ///< s: clocks that differ by 50 ppm
 
   // Measurements.
-  double correlated_pairs = 10.0;  ///< that share the errors of their landmarks, which last about as long
+  double correlated_pairs = 10.0;  ///< memory of running means: landmarks last about as long
   double rate_stddev = 0.02;  ///< rad/s, of the rotation from left to right exposure that poses do not show
   double unknown_rate_stddev = 0.3;  ///< the same of a single pair: 3 m/s past a point 10 m away
 
   // Errors of the model, which do not average out.
-  double yaw_pattern_stddev = 2e-4;    ///< what the lenses leave that resembles a yaw
+  double yaw_pattern_stddev = 2e-4;    ///< of the lenses, that resembles a yaw; stddev of p2
   double uncorrected_yaw_share = 4.0;  ///< error of a yaw beyond the limit per rad: depths are then wrong
   double readout_model_stddev = 8e-4;  ///< s, error of a readout by those of depths and poses
 

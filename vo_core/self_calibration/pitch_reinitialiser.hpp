@@ -19,7 +19,7 @@ class PitchReinitialiser {
   PitchReinitialiser(const StereoCamera& camera, const SelfCalibrationSettings& settings, int levels);
 
   /// Searches for the pitch if matches of `landmarks`, the pair's, are missing and a search is due. Returns
-  /// whether one was found, which is then set in `rig`. `T_right_left`: newestRightFromLeft(). None is found
+  /// whether one was found, which is then set in `rig`. `T_right_left`: rightFromLeft(). None is found
   /// if most patches contradict it, as in images of two scenes, or if it is the one that the matches were
   /// searched with: then the scene hides them.
   bool tryReinitialise(const NewestPair& pair, const Eigen::Isometry3d& T_right_left,

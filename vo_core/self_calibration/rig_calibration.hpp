@@ -11,7 +11,7 @@ struct RigStates {
   EstimateWithStddev pitch, yaw, roll, delay;
 };
 
-/// What the windows of the tracks have found of the rig's calibration, and what of it is corrected.
+/// Errors of the rig's calibration as the windows of the tracks find them, and the part that is corrected.
 class RigCalibration {
  public:
   explicit RigCalibration(const SelfCalibrationSettings& settings = {});

@@ -169,7 +169,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     return motion;
   }
   adjust(pair, draft, motion);
-  // The first motion after a standstill starts at the fixed pose, not at the true one.
+  // The first motion after a standstill starts at the held pose, not at the true one.
   if (standing_) motion.by_standstill = standstill_.covariance();
   if (!motion.valid()) return motion;
   standing_ = standstill_.update(motion.T_world_camera, pair.left_exposure_ns);

@@ -26,7 +26,6 @@ LAYERS = {
         "vo_core/stereo",
         "vo_core/tracking",
         "vo_core/estimation",
-        "vo_core/rolling_shutter",
         "vo_core/self_calibration",
         "vo_core/integrity",
         "vo_core/window",

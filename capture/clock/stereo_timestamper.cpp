@@ -19,8 +19,9 @@ constexpr double kGate = 3.0;                      // standard deviations
 constexpr double kReportedDisagreement_ns = 5e6;   // smaller ones are no problem to report
 constexpr double kMaxLatencyDifference_ns = 20e6;  // plausible between two cameras
 
-constexpr double kSlewRate = 0.005;            // of the elapsed time
-constexpr double kInitialSlewRate = 0.25;      // in the first seconds of a connection
+constexpr double kSlewRate = 0.005;        // of the elapsed time
+constexpr double kInitialSlewRate = 0.25;  // in the first seconds of a connection
+constexpr std::int64_t kMaxSlewStep_ns = 1'000'000'000;
 constexpr double kMaxReportOffset_ns = 500e6;  // larger ones are two clocks that do not agree
 constexpr std::int64_t kMinExposureStep_ns = 1'000'000;
 
@@ -106,7 +107,7 @@ ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps
   ExposureTimestamp timestamp;
   timestamp.is_usable = side.clock.add(timestamps);
   if (timestamp.is_usable) {
-    updateTargets();
+    updateTargets(timestamps.arrival_ns);
     advance(side, timestamps.arrival_ns);
   } else if (side.last_exposure_ns) {
     *side.last_exposure_ns += kMinExposureStep_ns;
@@ -146,13 +147,28 @@ void StereoTimestamper::setReportNote(CameraSide which, const std::string& note)
 }
 
 /// Updates the desired exposures of both cameras relative to their minimum-delay arrivals.
-void StereoTimestamper::updateTargets() {
+void StereoTimestamper::updateTargets(std::int64_t arrival_ns) {
   const OffsetEstimate arrival = offsetByArrival();
   reports_ = offsetByReports();
   selectOffset(arrival);
-  const double latency = choice_ == ClockChoice::arrival ? 0.0 : commonLatencyNs();
-  sides_[0].target_ns = -latency - 0.5 * offset_.value_ns;
-  sides_[1].target_ns = -latency + 0.5 * offset_.value_ns;
+  slewLatency(arrival_ns);
+  sides_[0].target_ns = -latency_ns_ - 0.5 * offset_.value_ns;
+  sides_[1].target_ns = -latency_ns_ + 0.5 * offset_.value_ns;
+}
+
+/// Slews the latency that both cameras have in common by the host's time, so that both pictures of a pair are
+/// corrected alike, whichever comes first.
+void StereoTimestamper::slewLatency(std::int64_t arrival_ns) {
+  const double latency_ns = choice_ == ClockChoice::arrival ? 0.0 : commonLatencyNs();
+  const bool is_initial = std::none_of(sides_.begin(), sides_.end(), [](const Side& side) {
+    return side.connected && side.clock.arrivals().isMature();
+  });
+  const std::int64_t elapsed_ns = arrival_ns - latency_at_ns_.value_or(arrival_ns);
+  const double limit_ns = (is_initial ? kInitialSlewRate : kSlewRate) *
+                          static_cast<double>(std::clamp(elapsed_ns, std::int64_t{0}, kMaxSlewStep_ns));
+  latency_ns_ += std::clamp(latency_ns - latency_ns_, -limit_ns, limit_ns);
+  latency_at_ns_ =
+      elapsed_ns > 0 || elapsed_ns < -kMaxSlewStep_ns ? arrival_ns : latency_at_ns_.value_or(arrival_ns);
 }
 
 OffsetEstimate StereoTimestamper::offsetByArrival() const {

@@ -107,7 +107,8 @@ class StereoTimestamper {
     std::int64_t slew_ns = 0;                      ///< as Frame's, of that picture
   };
 
-  void updateTargets();
+  void updateTargets(std::int64_t arrival_ns);
+  void slewLatency(std::int64_t arrival_ns);
   OffsetEstimate offsetByArrival() const;
   std::optional<OffsetEstimate> offsetByReports() const;
   void selectOffset(const OffsetEstimate& arrival);
@@ -127,6 +128,8 @@ class StereoTimestamper {
   std::array<Side, 2> sides_;
   std::optional<OffsetEstimate> reports_;
   std::optional<OffsetEstimate> visual_;
+  double latency_ns_ = 0.0;                    ///< common to both cameras, as slewed
+  std::optional<std::int64_t> latency_at_ns_;  ///< arrival up to which it is slewed
   bool reports_agree_ = false;  ///< the reports' offset passes the gate against the other estimates
   OffsetEstimate offset_;
   double uncertain_share_ = 0.0;  ///< of the latest pictures: their offset's standard deviation is large

@@ -10,8 +10,7 @@ using Remark = StreamRemarks::Kind;
 constexpr std::uint64_t kNamedFrom = 100;  ///< kinds of which single ones are normal
 
 constexpr bool areSingleOnesNormal(Remark kind) {
-  return kind == Remark::late || kind == Remark::undecodable || kind == Remark::incomplete ||
-         kind == Remark::missed;
+  return kind >= Remark::late && kind <= Remark::missed && kind != Remark::overflow;
 }
 
 /// The largest power of ten up to a number; 0 of 0.
@@ -27,7 +26,7 @@ std::string nameOf(Remark kind, const std::string& detail) {
     case Remark::stray_bytes:
       return "bytes between packets that belong to none: lower its bit rate if its connection is congested";
     case Remark::malformed:
-      return "packets that are neither RTP nor RTCP";
+      return "packets that are malformed, or neither RTP nor RTCP";
     case Remark::payload_type:
       return "packets of payload type " + detail;
     case Remark::channel:
@@ -35,12 +34,13 @@ std::string nameOf(Remark kind, const std::string& detail) {
     case Remark::host:
       return "UDP packets from " + detail + ", which is another computer";
     case Remark::structure:
-      return "RTP payloads of type " + detail +
-             ", which is not supported: of H.264, set its packetization-mode to 1";
+      return "RTP payloads " + detail;
     case Remark::report:
       return "sender reports " + detail;
     case Remark::late:
       return "UDP packets that came too late or twice";
+    case Remark::time:
+      return "pictures whose RTP time does not follow from that of the others";
     case Remark::overflow:
       return "frames that were not read in time";
     case Remark::undecodable:

@@ -13,13 +13,14 @@ class StreamRemarks {
  public:
   enum class Kind : std::uint8_t {
     stray_bytes,   ///< between the interleaved packets; detail: none
-    malformed,     ///< packets that are no RTP or RTCP
+    malformed,     ///< packets that are no RTP or RTCP, or in part
     payload_type,  ///< packets of another payload type; detail: the types
     channel,       ///< packets on other interleaved channels; detail: the channel
     host,          ///< UDP packets of another computer; detail: its address
-    structure,     ///< RTP payloads of a structure that is not supported; detail: its type
+    structure,     ///< RTP payloads of which no picture can be made; detail: why
     report,        ///< sender reports that do not belong to the pictures; detail: why
     late,          ///< UDP packets that came too late or twice
+    time,          ///< pictures whose RTP time does not follow from that of the others
     overflow,      ///< frames that were not read in time
     undecodable,   ///< pictures that the decoder refused or gave nothing for
     incomplete,    ///< pictures of a camera of this computer that lack data or have another size

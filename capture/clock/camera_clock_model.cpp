@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstdlib>
 
+#include "common/exact_text.hpp"
+
 namespace cartvo::capture {
 namespace {
 
@@ -17,11 +19,29 @@ constexpr std::int64_t kMaxReordering_ns = 500'000'000;  // five B-frames at 10 
 constexpr int kStraysOfAnEpoch = 3;
 constexpr int kUnsteadyStrays = 16;                         // of the latest 32 pictures
 constexpr std::int64_t kMaxTicks = std::int64_t{1} << 48;   // 99 years
-constexpr std::int64_t kLatest_us = std::int64_t{1} << 52;  // the year 2112; later reports are invalid
+constexpr std::int64_t kLatest_us = std::int64_t{1} << 52;  // the year 2112; no index has later ones
+
+// Rates of RTP time that a wrong frame rate explains.
+constexpr double kMinNominalRate = 0.3;
+constexpr double kMaxNominalRate = 3.0;
+
+constexpr double kJumpReported = 10.0;  // s after a jump of RTP time
 
 /// One tick is 100000/9 ns.
 std::int64_t ticksToNanoseconds(std::int64_t ticks) {
   return ticks / 9 * 100'000 + ticks % 9 * 100'000 / 9;
+}
+
+/// Why a stream's RTP time is not that of the exposures: it runs at another pace than time.
+std::string paceProblem(double deviation) {
+  const double rate = 1.0 + deviation;
+  const bool is_nominal = rate > kMinNominalRate && rate < kMaxNominalRate;
+  const std::string problem = "runs " + fixedText(100.0 * std::abs(deviation), 1) + " % too " +
+                              (deviation > 0.0 ? "fast" : "slow") + ", so that no motion can be measured: ";
+  if (is_nominal)
+    return problem + "its frame rate is set to one that it does not reach; set a lower one in the camera";
+  return problem + "it counts " + fixedText(90000.0 * rate, 0) +
+         " a second, not 90000 (90 kHz); update its firmware";
 }
 
 }  // namespace
@@ -100,8 +120,18 @@ void CameraClockModel::addReport(const RtpTimestamps& timestamps) {
   if (instant_us) reports_.add(rtp_ns_, *instant_us * 1000, arrivals_.skew());
 }
 
-bool CameraClockModel::isUnsteady() const {
-  return std::popcount(latest_strays_) >= kUnsteadyStrays;
+std::string CameraClockModel::timeBaseProblem() const {
+  if (std::popcount(latest_strays_) >= kUnsteadyStrays)
+    return "does not go on from picture to picture, so that no exposure is known: update its firmware";
+  if (pace_.deviation()) return paceProblem(*pace_.deviation());
+  if (pace_.unevenness())
+    return "is uneven by " + fixedText(1e-6 * *pace_.unevenness(), 1) +
+           " ms, but its pictures arrive evenly, so that velocities are inexact: update its firmware, or set "
+           "another frame rate";
+  if (jump_ && seconds() < kJumpReported)
+    return "jumped by " + fixedText(*jump_, 3) +
+           " s within the connection, and its clock began anew: did its encoder restart?";
+  return {};
 }
 
 std::optional<std::int64_t> CameraClockModel::reportedNs() const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "capture/clock/arrival_clock_model.hpp"
 #include "capture/clock/arrival_pace.hpp"
@@ -43,11 +44,9 @@ class CameraClockModel {
   /// Changes when RTP time begins anew: with a connection, and after a jump.
   std::uint64_t epoch() const { return epoch_; }
 
-  /// Jump of RTP time with which the current epoch began, s; nothing if it began with the connection.
-  std::optional<double> jump() const { return jump_; }
-
-  /// Whether half of the latest pictures had an RTP time that does not follow from the earlier ones.
-  bool isUnsteady() const;
+  /// Fault of the stream's RTP time: it is unsteady, jumped, or is not that of the exposures. "jumped by
+  /// ..."; empty if there is none.
+  std::string timeBaseProblem() const;
 
   /// Whether the arrivals follow RTP time, and if not, by how much it is off.
   const ArrivalPace& pace() const { return pace_; }
@@ -97,7 +96,7 @@ class CameraClockModel {
   Strays strays_;
   std::uint32_t latest_strays_ = 0;  ///< a bit for each of the latest 32 pictures; also of earlier epochs
   std::uint64_t epoch_ = 0;
-  std::optional<double> jump_;
+  std::optional<double> jump_;  ///< of RTP time, with which the current epoch began, s
 };
 
 }  // namespace cartvo::capture

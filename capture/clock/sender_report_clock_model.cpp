@@ -47,6 +47,7 @@ void SenderReportClockModel::add(std::int64_t rtp_ns, std::int64_t instant_ns, d
     origin_rtp_ns_ = rtp_ns;
     origin_instant_ns_ = instant_ns;
   }
+  ++reports_;
   const std::int64_t since = rtp_ns - origin_rtp_ns_;
   const Sample sample{static_cast<double>(since) * 1e-9,
                       static_cast<double>(instant_ns - origin_instant_ns_ - since)};
@@ -57,7 +58,7 @@ void SenderReportClockModel::add(std::int64_t rtp_ns, std::int64_t instant_ns, d
     samples_.swap(outliers_);
     ++steps_;
   } else {
-    outliers_.clear();
+    leaveOutliersOut();
     samples_.push_back(sample);
   }
   while (samples_.size() > kMaxSamples || samples_.front().time < sample.time - kWindow)
@@ -65,7 +66,7 @@ void SenderReportClockModel::add(std::int64_t rtp_ns, std::int64_t instant_ns, d
   fit(expected_skew * 1e9);
 }
 
-/// Whether the sample's residual exceeds the gate. Clears the outliers before it if they lie on the other
+/// Whether the sample's residual exceeds the gate. Leaves out the outliers before it if they lie on the other
 /// side.
 bool SenderReportClockModel::isOutlier(const Sample& sample) {
   const double residual = sample.offset - offsetAt(sample.time);
@@ -73,8 +74,13 @@ bool SenderReportClockModel::isOutlier(const Sample& sample) {
   if (std::abs(residual) < std::max(kOutlierGate * stddev, kMinStep_ns)) return false;
   if (!outliers_.empty() &&
       (outliers_.back().offset - offsetAt(outliers_.back().time) > 0.0) != (residual > 0.0))
-    outliers_.clear();
+    leaveOutliersOut();
   return true;
+}
+
+void SenderReportClockModel::leaveOutliersOut() {
+  left_out_ += outliers_.size();
+  outliers_.clear();
 }
 
 /// Huber's M-estimate by iterative reweighting, with a prior on the slope.
@@ -121,6 +127,7 @@ void SenderReportClockModel::solveReweighted(double expected_slope) {
 
 /// Standard deviation of one report, from the median of the absolute residuals. With fewer than
 /// kSamplesForScatter samples, from their RMS and Student's t: two samples rarely agree closely by chance.
+/// Then at most the default, unless the RMS contradicts that.
 double SenderReportClockModel::estimateScatter() const {
   if (samples_.size() < 2) return default_scatter_ns_;
   std::vector<double> sizes;
@@ -134,7 +141,8 @@ double SenderReportClockModel::estimateScatter() const {
   if (samples_.size() < kSamplesForScatter) {
     const double student =
         samples_.size() == 2 ? 6.4 : 2.2;  // quantile of t over that of the normal, at 95 %
-    return std::clamp(student * std::sqrt(sum / (count - 1.0)), kMinScatter_ns, default_scatter_ns_);
+    const double rms = std::sqrt(sum / (count - 1.0));
+    return std::clamp(student * rms, kMinScatter_ns, std::max(rms, default_scatter_ns_));
   }
   return std::max(1.4826 * (1.0 + 4.0 / count) * medianOf(std::move(sizes)), kMinScatter_ns);
 }

@@ -11,7 +11,8 @@ namespace cartvo::capture {
 /// deterministic.
 class SenderReportClockModel {
  public:
-  /// `default_scatter_ns`: standard deviation of one report while there are too few to estimate it.
+  /// `default_scatter_ns`: standard deviation of one report while there are too few to estimate it, unless
+  /// these scatter by more.
   explicit SenderReportClockModel(double default_scatter_ns) : default_scatter_ns_(default_scatter_ns) {}
 
   /// Adds a report: the picture with RTP time `rtp_ns` was exposed at `instant_ns` by the camera's wall
@@ -27,8 +28,15 @@ class SenderReportClockModel {
   /// Standard deviation of `at`, ns, from the scatter of the reports. Excludes the error of the wall clock.
   double stddevNs(std::int64_t rtp_ns) const;
 
+  /// Standard deviation of one report, ns.
+  double scatterNs() const { return scatter_ns_; }
+
   /// Number of times the camera's wall clock was set.
   std::uint64_t steps() const { return steps_; }
+
+  /// Number of reports, and of those that were left out because they contradict the others.
+  std::uint64_t reports() const { return reports_; }
+  std::uint64_t leftOut() const { return left_out_; }
 
  private:
   struct Sample {
@@ -40,6 +48,7 @@ class SenderReportClockModel {
   double offsetAt(double time) const { return intercept_ + slope_ * (time - centre_); }
   double variance(double time) const;
   bool isOutlier(const Sample& sample);
+  void leaveOutliersOut();
   void fit(double expected_slope);
   void solveReweighted(double expected_slope);
   double estimateScatter() const;
@@ -55,6 +64,8 @@ class SenderReportClockModel {
   double scatter_ns_ = 0.0;
   double variances_[3] = {};  ///< of the intercept, covariance of both, of the slope
   std::uint64_t steps_ = 0;
+  std::uint64_t reports_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace cartvo::capture

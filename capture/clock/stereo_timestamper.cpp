@@ -19,8 +19,9 @@ constexpr double kGate = 3.0;                      // standard deviations
 constexpr double kReportedDisagreement_ns = 5e6;   // smaller ones are no problem to report
 constexpr double kMaxLatencyDifference_ns = 20e6;  // plausible between two cameras
 
-constexpr double kSlewRate = 0.005;            // of the elapsed time
-constexpr double kInitialSlewRate = 0.25;      // in the first seconds of a connection
+constexpr double kSlewRate = 0.005;        // of the elapsed time
+constexpr double kInitialSlewRate = 0.25;  // in the first seconds of a connection
+constexpr std::int64_t kMaxSlewStep_ns = 1'000'000'000;
 constexpr double kMaxReportOffset_ns = 500e6;  // larger ones are two clocks that do not agree
 constexpr std::int64_t kMinExposureStep_ns = 1'000'000;
 
@@ -31,21 +32,17 @@ constexpr double kReportedStddev_ns = 10e6;
 constexpr double kReportedShare = 0.5;
 constexpr double kShareGain = 1.0 / 200.0;  // of one picture
 
-// Rates of RTP time that a wrong frame rate explains.
-constexpr double kMinNominalRate = 0.3;
-constexpr double kMaxNominalRate = 3.0;
-
-constexpr double kJumpReported = 10.0;  // s after a jump of RTP time
-
-constexpr double kFirstReportTimeout = 15.0;  // s; cameras send reports every few seconds
+// Sender reports of which is said that they are not used.
+constexpr double kFirstReportTimeout = 15.0;     // s; cameras send reports every few seconds
+constexpr std::uint64_t kReportsForScatter = 8;  // the mean of fewer is often uncertain
+constexpr std::uint64_t kMinLeftOut = 4;
+constexpr double kMaxShareLeftOut = 0.1;
 
 constexpr double kMinLatency_ns = -50e6;  // negative by the difference of the two clocks
 constexpr double kMaxLatency_ns = 3e9;
 
-/// Standard deviation of one report while there are too few to estimate it, ns. With `ntp` the user asserts
-/// that the reports are exact; otherwise cameras may stamp them on sending.
-double defaultScatterNs(ClockChoice choice) {
-  return choice == ClockChoice::ntp ? 1e6 : 20e6;
+bool isPlausible(double latency_ns) {
+  return latency_ns >= kMinLatency_ns && latency_ns <= kMaxLatency_ns;
 }
 
 double square(double value) {
@@ -73,20 +70,18 @@ OffsetEstimate weightedMean(const std::vector<OffsetEstimate>& estimates) {
   return {value, std::sqrt(std::max(inflation, 1.0) / weight)};
 }
 
-std::string inSeconds(double nanoseconds) {
-  return fixedText(std::abs(nanoseconds) * 1e-9, 3) + " s";
+/// Standard deviation of one report while there are too few to estimate it, ns. With `ntp` the user asserts
+/// that the reports are exact; otherwise cameras may stamp them on sending.
+double defaultScatterNs(ClockChoice choice) {
+  return choice == ClockChoice::ntp ? 1e6 : 20e6;
 }
 
-/// Why a stream's RTP time is not that of the exposures: it runs at another pace than time.
-std::string paceProblem(double deviation) {
-  const double rate = 1.0 + deviation;
-  const bool is_nominal = rate > kMinNominalRate && rate < kMaxNominalRate;
-  const std::string problem = "runs " + fixedText(100.0 * std::abs(deviation), 1) + " % too " +
-                              (deviation > 0.0 ? "fast" : "slow") + ", so that no motion can be measured: ";
-  if (is_nominal)
-    return problem + "its frame rate is set to one that it does not reach; set a lower one in the camera";
-  return problem + "it counts " + fixedText(90000.0 * rate, 0) +
-         " a second, not 90000 (90 kHz); update its firmware";
+std::string nameOf(std::size_t side) {
+  return std::string("the ") + sideName(static_cast<CameraSide>(side)) + " camera";
+}
+
+std::string inSeconds(double nanoseconds) {
+  return fixedText(std::abs(nanoseconds) * 1e-9, 3) + " s";
 }
 
 }  // namespace
@@ -112,7 +107,7 @@ ExposureTimestamp StereoTimestamper::stamp(CameraSide which, const RtpTimestamps
   ExposureTimestamp timestamp;
   timestamp.is_usable = side.clock.add(timestamps);
   if (timestamp.is_usable) {
-    updateTargets();
+    updateTargets(timestamps.arrival_ns);
     advance(side, timestamps.arrival_ns);
   } else if (side.last_exposure_ns) {
     *side.last_exposure_ns += kMinExposureStep_ns;
@@ -152,13 +147,28 @@ void StereoTimestamper::setReportNote(CameraSide which, const std::string& note)
 }
 
 /// Updates the desired exposures of both cameras relative to their minimum-delay arrivals.
-void StereoTimestamper::updateTargets() {
+void StereoTimestamper::updateTargets(std::int64_t arrival_ns) {
   const OffsetEstimate arrival = offsetByArrival();
   reports_ = offsetByReports();
   selectOffset(arrival);
-  const double latency = choice_ == ClockChoice::arrival ? 0.0 : commonLatencyNs();
-  sides_[0].target_ns = -latency - 0.5 * offset_.value_ns;
-  sides_[1].target_ns = -latency + 0.5 * offset_.value_ns;
+  slewLatency(arrival_ns);
+  sides_[0].target_ns = -latency_ns_ - 0.5 * offset_.value_ns;
+  sides_[1].target_ns = -latency_ns_ + 0.5 * offset_.value_ns;
+}
+
+/// Slews the latency that both cameras have in common by the host's time, so that both pictures of a pair are
+/// corrected alike, whichever comes first.
+void StereoTimestamper::slewLatency(std::int64_t arrival_ns) {
+  const double latency_ns = choice_ == ClockChoice::arrival ? 0.0 : commonLatencyNs();
+  const bool is_initial = std::none_of(sides_.begin(), sides_.end(), [](const Side& side) {
+    return side.connected && side.clock.arrivals().isMature();
+  });
+  const std::int64_t elapsed_ns = arrival_ns - latency_at_ns_.value_or(arrival_ns);
+  const double limit_ns = (is_initial ? kInitialSlewRate : kSlewRate) *
+                          static_cast<double>(std::clamp(elapsed_ns, std::int64_t{0}, kMaxSlewStep_ns));
+  latency_ns_ += std::clamp(latency_ns - latency_ns_, -limit_ns, limit_ns);
+  latency_at_ns_ =
+      elapsed_ns > 0 || elapsed_ns < -kMaxSlewStep_ns ? arrival_ns : latency_at_ns_.value_or(arrival_ns);
 }
 
 OffsetEstimate StereoTimestamper::offsetByArrival() const {
@@ -226,39 +236,12 @@ void StereoTimestamper::combineOffsets(const OffsetEstimate& arrival) {
   }
 }
 
-/// Fault of a stream's RTP time: it jumped, or is not that of the exposures.
-std::string StereoTimestamper::timeBaseProblem() const {
-  for (std::size_t i = 0; i < sides_.size(); ++i) {
-    const CameraClockModel& clock = sides_[i].clock;
-    const std::string camera =
-        std::string("the ") + sideName(static_cast<CameraSide>(i)) + " camera's RTP time ";
-    const ArrivalPace& pace = clock.pace();
-    if (clock.isUnsteady())
-      return camera +
-             "does not go on from picture to picture, so that no exposure is known: update its firmware";
-    if (pace.deviation()) return camera + paceProblem(*pace.deviation());
-    if (pace.unevenness())
-      return camera + "is uneven by " + fixedText(1e-6 * *pace.unevenness(), 1) +
-             " ms, but its pictures arrive evenly, so that velocities are inexact: update its firmware, or "
-             "set another frame rate";
-    if (clock.jump() && clock.seconds() < kJumpReported)
-      return camera + "jumped by " + fixedText(*clock.jump(), 3) +
-             " s within the connection, and its clock began anew: did its encoder restart?";
-  }
-  return {};
-}
-
 std::string StereoTimestamper::problem() const {
-  if (std::string text = timeBaseProblem(); !text.empty()) return text;
-  for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i) {
-    const CameraClockModel& clock = sides_[i].clock;
-    if (clock.seconds() < kFirstReportTimeout || clock.reports().hasData()) continue;
-    return std::string("the ") + sideName(static_cast<CameraSide>(i)) +
-           " camera sends no RTCP sender reports" +
-           (report_notes_[i].empty() ? "" : " that can be used, but " + report_notes_[i]) +
-           ", so exposures are computed from arrival times: connect to the camera itself and synchronise it "
-           "by NTP, or set cameras.clock: auto";
-  }
+  for (std::size_t i = 0; i < sides_.size(); ++i)
+    if (const std::string fault = sides_[i].clock.timeBaseProblem(); !fault.empty())
+      return nameOf(i) + "'s RTP time " + fault;
+  for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i)
+    if (const std::string missing = missingReports(i); !missing.empty()) return missing;
   const bool reports_matter = choice_ == ClockChoice::automatic || choice_ == ClockChoice::ntp;
   const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;
   if (!reports_matter || !reports_ || reports_agree_ || std::abs(difference) < kReportedDisagreement_ns)
@@ -266,6 +249,45 @@ std::string StereoTimestamper::problem() const {
   return "the cameras' clocks disagree by " + inSeconds(difference) +
          ": synchronise both to one NTP server near them; until then exposures are computed from " +
          (source_ == InstantSource::pictures ? "the image content" : "arrival times");
+}
+
+/// Why a camera's sender reports do not tell its exposures; empty if they do, or may yet.
+std::string StereoTimestamper::missingReports(std::size_t side) const {
+  const CameraClockModel& clock = sides_[side].clock;
+  const std::string& note = report_notes_[side];
+  std::string found;
+  if (clock.latencyNs()) return {};
+  if (clock.reports().reports() >= kReportsForScatter) {
+    found = " sends RTCP sender reports that scatter by " + inSeconds(clock.reports().scatterNs());
+  } else if (clock.seconds() > kFirstReportTimeout && !clock.reports().hasData()) {
+    if (choice_ != ClockChoice::ntp) return {};  // they are not required
+    found = " sends no RTCP sender reports" + (note.empty() ? "" : " that can be used, but " + note);
+  }
+  if (found.empty()) return {};
+  return nameOf(side) + found +
+         ", so exposures are computed from arrival times: connect to the camera itself and synchronise it by "
+         "NTP" +
+         (choice_ == ClockChoice::ntp ? ", or set cameras.clock: auto" : "");
+}
+
+std::string StereoTimestamper::advice() const {
+  if (choice_ == ClockChoice::arrival || choice_ == ClockChoice::visual) return {};
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    const CameraClockModel& clock = sides_[i].clock;
+    if (std::string missing = missingReports(i); !missing.empty()) return missing;
+    const double left_out = static_cast<double>(clock.reports().leftOut());
+    const double reports = static_cast<double>(clock.reports().reports());
+    if (clock.reports().leftOut() >= kMinLeftOut && left_out > kMaxShareLeftOut * reports)
+      return nameOf(i) + "'s sender reports contradict each other, and " + fixedText(left_out, 0) + " of " +
+             fixedText(reports, 0) + " are left out: let one program alone set its clock, by NTP";
+    if (!clock.latencyNs()) continue;
+    const double latency_ns = hostLatencyNs(*clock.latencyNs());
+    if (!isPlausible(latency_ns))
+      return nameOf(i) + "'s clock is " + inSeconds(latency_ns) +
+             (latency_ns < 0.0 ? " ahead of" : " behind") +
+             " this computer's, so exposures count as late as their packets arrive: synchronise both by NTP";
+  }
+  return {};
 }
 
 /// Why the offset has been uncertain for seconds; empty if it has not.
@@ -294,12 +316,17 @@ double StereoTimestamper::commonLatencyNs() const {
   for (const Side& side : sides_) {
     const std::optional<std::int64_t> latency_ns = side.clock.latencyNs();
     if (!latency_ns) continue;
-    const double latency = static_cast<double>(*latency_ns) + host_clock_correction_ns_;
-    if (latency < kMinLatency_ns || latency > kMaxLatency_ns) continue;
+    const double latency = hostLatencyNs(*latency_ns);
+    if (!isPlausible(latency)) continue;
     sum += latency;
     count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
+}
+
+/// A latency by the host's wall clock.
+double StereoTimestamper::hostLatencyNs(std::int64_t latency_ns) const {
+  return static_cast<double>(latency_ns) + host_clock_correction_ns_;
 }
 
 /// Computes the exposure of the side's last picture, which arrived at `arrival_ns`.
@@ -351,12 +378,14 @@ ClockStatus StereoTimestamper::status() const {
       camera.latency_ns = static_cast<double>(*latency_ns);
     camera.skew = clock.arrivals().skew();
     camera.steps = clock.reports().steps();
+    camera.left_out = clock.reports().leftOut();
   }
   status.source = source_;
   status.offset = offset_;
   status.ntp = reports_;
   status.visual = visual_;
   status.problem = problem();
+  if (status.problem.empty()) status.advice = advice();
   return status;
 }
 

@@ -46,6 +46,7 @@ struct ClockStatus {
     std::optional<double> latency_ns;  ///< exposure to minimum-delay arrival, by the sender reports
     double skew = 0.0;                 ///< RTP clock against the host's clock, relative
     std::uint64_t steps = 0;           ///< number of times the camera's wall clock was set
+    std::uint64_t left_out = 0;        ///< sender reports that contradict the others
   };
   std::array<Camera, 2> cameras;  ///< left, right
   InstantSource source = InstantSource::arrival;
@@ -53,6 +54,7 @@ struct ClockStatus {
   std::optional<OffsetEstimate> ntp;     ///< by the sender reports alone
   std::optional<OffsetEstimate> visual;  ///< by the image content alone
   std::string problem;                   ///< what the user should change about the clocks; empty if nothing
+  std::string advice;  ///< what of the sender reports is not used, though nothing fails by that; or empty
 };
 
 /// Timestamps the pictures of two cameras: relates their exposures to the host's clock and, more precisely,
@@ -105,14 +107,17 @@ class StereoTimestamper {
     std::int64_t slew_ns = 0;                      ///< as Frame's, of that picture
   };
 
-  void updateTargets();
+  void updateTargets(std::int64_t arrival_ns);
+  void slewLatency(std::int64_t arrival_ns);
   OffsetEstimate offsetByArrival() const;
   std::optional<OffsetEstimate> offsetByReports() const;
   void selectOffset(const OffsetEstimate& arrival);
   void combineOffsets(const OffsetEstimate& arrival);
   std::string problem() const;
   double commonLatencyNs() const;
-  std::string timeBaseProblem() const;
+  double hostLatencyNs(std::int64_t latency_ns) const;
+  std::string missingReports(std::size_t side) const;
+  std::string advice() const;
   std::string uncertaintyProblem() const;
   double uncertainty() const;
   static void advance(Side& side, std::int64_t arrival_ns);
@@ -123,6 +128,8 @@ class StereoTimestamper {
   std::array<Side, 2> sides_;
   std::optional<OffsetEstimate> reports_;
   std::optional<OffsetEstimate> visual_;
+  double latency_ns_ = 0.0;                    ///< common to both cameras, as slewed
+  std::optional<std::int64_t> latency_at_ns_;  ///< arrival up to which it is slewed
   bool reports_agree_ = false;  ///< the reports' offset passes the gate against the other estimates
   OffsetEstimate offset_;
   double uncertain_share_ = 0.0;  ///< of the latest pictures: their offset's standard deviation is large

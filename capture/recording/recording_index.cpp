@@ -70,10 +70,11 @@ bool isInRange(const IndexRow& row) {
   constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
   constexpr std::int64_t kEarliest_ns = -1'000'000'000'000'000'000;
   constexpr std::int64_t kMaxTicks = std::int64_t{1} << 48;
+  constexpr std::int64_t kLatestReport_us = std::int64_t{1} << 52;  // the year 2112, as CameraClockModel's
   const auto instant = [](std::int64_t ns) { return ns >= kEarliest_ns && ns <= kLatest_ns; };
   const std::int64_t reference_us = row.reference_us.value_or(0);
   return row.time_ms >= 0 && row.time_ms <= kLatest_ns / 1'000'000 && row.pts >= -kMaxTicks &&
-         row.pts <= kMaxTicks && reference_us >= 0 && reference_us <= kLatest_ns / 1000 &&
+         row.pts <= kMaxTicks && reference_us >= 0 && reference_us <= kLatestReport_us &&
          instant(row.first_arrival_ns) && instant(row.arrival_ns) && instant(row.min_delay_arrival_ns) &&
          instant(row.exposure_ns) && row.exposure_stddev_ns >= 0 && row.exposure_stddev_ns <= kLatest_ns;
 }

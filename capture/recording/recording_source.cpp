@@ -14,9 +14,15 @@
 namespace cartvo::capture {
 namespace {
 
-/// One sentence for the health report: the first damage and the number of further ones.
-std::string damageText(const RecordingDamage& damage, std::uint64_t frames, std::uint64_t damaged) {
-  if (damage.places.empty()) return {};
+/// One sentence for the health report: the first damage and the number of further ones; else the number of
+/// pictures that were not stamped anew.
+std::string damageText(const RecordingDamage& damage, std::uint64_t frames, std::uint64_t damaged,
+                       std::uint64_t unstamped) {
+  if (damage.places.empty()) {
+    return unstamped == 0 ? ""
+                          : std::to_string(unstamped) +
+                                " pictures keep their recorded instants: the clock model has none for them";
+  }
   std::string text = damage.places.front();
   if (damage.places.size() > 1) text += " (and " + std::to_string(damage.places.size() - 1) + " more places)";
   text += "; " + std::to_string(frames - damaged) + " of the " + std::to_string(frames + damage.lost) +
@@ -44,6 +50,7 @@ struct RecordingSource::Implementation {
   std::uint64_t connection = 0;
   VideoCodec codec = VideoCodec::h264;
   bool at_end = false;
+  std::uint64_t unstamped = 0;  ///< pictures for which the timestamper has no instant
   std::atomic<bool> interrupted = false;
 
   mutable std::mutex mutex;  ///< guards health
@@ -66,6 +73,7 @@ bool RecordingSource::Implementation::readUnit() {
   EncodedUnit& unit = current.unit;
   const std::optional<ExposureTimestamp> timestamp = timestamper->stamp(side, unit.order);
   if (timestamp) setTimestamp(unit, *timestamp);
+  if (!timestamp) ++unstamped;
   return true;
 }
 
@@ -109,7 +117,8 @@ ReadOutcome RecordingSource::read(Frame& frame, std::chrono::milliseconds /*time
   }
   const std::lock_guard lock(self.mutex);
   self.health.state = CameraState::ended;
-  self.health.last_error = damageText(self.reader.damage(), self.health.frames, self.health.damaged);
+  self.health.last_error =
+      damageText(self.reader.damage(), self.health.frames, self.health.damaged, self.unstamped);
   return ReadOutcome::ended;
 }
 

@@ -22,6 +22,8 @@ constexpr std::uint8_t kFragmentEnds = 0x40;
 constexpr std::array<std::uint8_t, 4> kLongStartCode = {0, 0, 0, 1};
 constexpr std::size_t kShortStartCode = 3;  ///< bytes: 0 0 1
 
+constexpr const char* kCutOff = "that are cut off";
+
 /// Number of zeros at the end, at most `limit`.
 std::size_t trailingZeros(std::span<const std::uint8_t> data, std::size_t limit) {
   std::size_t zeros = 0;
@@ -64,27 +66,33 @@ void AccessUnitAssembler::addH264(const StreamFragment& fragment) {
   const int type = data[0] & 0x1f;
   if (type == kH264Aggregate) return addAggregate(data.subspan(1), fragment);
   if (type < kH264Aggregate) return addWholeNal(data, fragment);
-  if (type != kH264Fragment) return leaveOut(type);
-  if (data.size() < 2) return;
+  if (type != kH264Fragment) return leaveOutType(type);
+  if (data.size() < 2) return leaveOut(kCutOff);
   const std::array<std::uint8_t, 1> header = {static_cast<std::uint8_t>((data[0] & 0xe0) | (data[1] & 0x1f))};
   addFragmentedNal(header, data[1], data.subspan(2), fragment);
 }
 
 void AccessUnitAssembler::addH265(const StreamFragment& fragment) {
   const std::span<const std::uint8_t> data = withoutStartCode(fragment.data);
-  if (data.size() < 3) return;
+  if (data.empty()) return;
   const int type = (data[0] >> 1) & 0x3f;
-  if (type == kH265Aggregate) return addAggregate(data.subspan(2), fragment);
   if (type < kH265Aggregate) return addWholeNal(data, fragment);
-  if (type != kH265Fragment) return leaveOut(type);
+  if (data.size() < 3) return leaveOut(kCutOff);
+  if (type == kH265Aggregate) return addAggregate(data.subspan(2), fragment);
+  if (type != kH265Fragment) return leaveOutType(type);
   const std::array<std::uint8_t, 2> header = {
       static_cast<std::uint8_t>((data[0] & 0x81) | (data[2] & 0x3f) << 1), data[1]};
   addFragmentedNal(header, data[2], data.subspan(3), fragment);
 }
 
-void AccessUnitAssembler::leaveOut(int type) {
-  ++unsupported_;
-  unsupported_type_ = type;
+void AccessUnitAssembler::leaveOut(std::string text) {
+  ++left_out_;
+  left_out_text_ = std::move(text);
+}
+
+void AccessUnitAssembler::leaveOutType(int type) {
+  leaveOut("of type " + std::to_string(type) +
+           ", which is not supported: of H.264, set its packetization-mode to 1");
 }
 
 /// NAL units, each behind its size in 16 bits.
@@ -92,14 +100,14 @@ void AccessUnitAssembler::addAggregate(std::span<const std::uint8_t> data, const
   while (data.size() > 2) {
     const std::size_t size = static_cast<std::size_t>(data[0]) << 8 | data[1];
     data = data.subspan(2);
-    if (size > data.size()) break;  // malformed
+    if (size > data.size()) return leaveOut(kCutOff);
     addWholeNal(data.first(size), fragment);
     data = data.subspan(size);
   }
 }
 
 void AccessUnitAssembler::addWholeNal(std::span<const std::uint8_t> nal, const StreamFragment& fragment) {
-  if (nal.size() < nalHeaderSize(codec_)) return;
+  if (nal.size() < nalHeaderSize(codec_)) return leaveOut(kCutOff);
   openNal();
   addNalBytes(nal, fragment, true);
   nal_is_open_ = false;
@@ -112,7 +120,9 @@ void AccessUnitAssembler::addFragmentedNal(std::span<const std::uint8_t> header,
     openNal();
     held_back_.assign(header.begin(), header.end());
   } else if (!nal_is_open_) {
-    return;  // its beginning is missing
+    // Its beginning is missing: before the connection, by a loss, or the camera marks none.
+    if (current_ && !lost_since_) leaveOut("that continue no NAL unit");
+    return;
   }
   const bool ends = (fragment_header & kFragmentEnds) != 0;
   addNalBytes(data, fragment, ends);
@@ -218,7 +228,7 @@ void AccessUnitAssembler::append(std::span<const std::uint8_t> data, const Strea
   lost_since_ = false;
   if (current_->data.size() + data.size() > kMaxUnitBytes) {
     current_->data_lost = true;
-    return;
+    return leaveOut("of pictures above 16 MB");
   }
   current_->data.insert(current_->data.end(), data.begin(), data.end());
   current_->arrival_ns = fragment.arrival_ns;

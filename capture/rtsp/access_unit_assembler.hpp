@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "capture/encoded_unit.hpp"
@@ -55,9 +56,9 @@ class AccessUnitAssembler {
   /// Removes and returns the next complete picture, or nothing.
   std::optional<AssembledUnit> popUnit();
 
-  /// Number of payloads whose structure is not supported, which were left out, and the type of the last one.
-  std::uint64_t unsupported() const { return unsupported_; }
-  int unsupportedType() const { return unsupported_type_; }
+  /// Number of payloads that were left out, and what is wrong with the last one: "that are cut off".
+  std::uint64_t leftOut() const { return left_out_; }
+  const std::string& leftOutText() const { return left_out_text_; }
 
   /// Whether the marker bit is confirmed: pictures are delivered with their last packet.
   bool completesEarly() const {
@@ -74,7 +75,8 @@ class AccessUnitAssembler {
   void addWholeNal(std::span<const std::uint8_t> nal, const StreamFragment& fragment);
   void addFragmentedNal(std::span<const std::uint8_t> header, std::uint8_t fragment_header,
                         std::span<const std::uint8_t> data, const StreamFragment& fragment);
-  void leaveOut(int type);
+  void leaveOut(std::string text);
+  void leaveOutType(int type);
   void openNal();
   void addNalBytes(std::span<const std::uint8_t> data, const StreamFragment& fragment, bool ends);
   void addUnitBytes(std::span<const std::uint8_t> unit, const StreamFragment& fragment);
@@ -91,8 +93,8 @@ class AccessUnitAssembler {
   std::vector<std::uint8_t> held_back_;  ///< bytes at the end of the open NAL unit
   bool nal_is_begun_ = false;            ///< beginNal was called for the open NAL unit
   bool nal_is_used_ = false;             ///< it belongs to the current picture
-  std::uint64_t unsupported_ = 0;
-  int unsupported_type_ = 0;
+  std::uint64_t left_out_ = 0;
+  std::string left_out_text_;
   bool nal_is_open_ = false;   ///< further fragments of the last NAL unit follow
   bool lost_since_ = false;    ///< packets were lost since the current picture's last fragment
   bool delivered_ = false;     ///< the current picture was delivered with its marker bit

@@ -73,14 +73,17 @@ bool isRtcp(std::span<const std::uint8_t> packet) {
 
 RtcpContent parseRtcp(std::span<const std::uint8_t> packet) {
   RtcpContent content;
+  constexpr std::size_t kSenderInfo = 28;
   while (packet.size() >= 4 && packet[0] >> 6 == kVersion) {
     const std::size_t length = 4 * (static_cast<std::size_t>(read16(packet, 2)) + 1);
     if (length > packet.size()) break;
     const std::span<const std::uint8_t> part = packet.first(length);
-    if (part[1] == kSenderReport && length >= 28) content.reports.push_back(readSenderReport(part));
+    if (part[1] == kSenderReport && length < kSenderInfo) break;
+    if (part[1] == kSenderReport) content.reports.push_back(readSenderReport(part));
     if (part[1] == kGoodbye && length >= 8) content.ended_source = read32(part, 4);
     packet = packet.subspan(length);
   }
+  content.is_whole = packet.empty();
   return content;
 }
 

@@ -38,6 +38,7 @@ bool isRtcp(std::span<const std::uint8_t> packet);
 struct RtcpContent {
   std::vector<SenderReport> reports;
   std::optional<std::uint32_t> ended_source;  ///< SSRC that left the session (BYE)
+  bool is_whole = false;                      ///< no part is malformed
 };
 
 /// Parses a compound RTCP packet up to its first malformed part.

@@ -25,6 +25,7 @@ void RtpSequencer::restart(const RtpPacket& header) {
   gap_ = source_.has_value();
   source_ = header.source;
   next_ = header.sequence;
+  left_out_ += waiting_.size();
   waiting_.clear();
   out_of_range_ = 0;
 }

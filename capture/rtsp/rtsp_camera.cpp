@@ -35,11 +35,12 @@ std::string inSeconds(milliseconds duration) {
 class PictureStream {
  public:
   PictureStream(const StreamFormat& format, const RtspCameraSettings& settings,
-                StereoTimestamper& timestamper, CameraSide side)
+                StereoTimestamper& timestamper, CameraSide side, StreamRemarks& remarks)
       : assembler_(format.codec),
         losses_(format),
         timestamper_(timestamper),
         side_(side),
+        remarks_(remarks),
         decoder_(format, settings.decoder_threads, settings.max_pixels) {
     timestamper_.connect(side_);
   }
@@ -73,7 +74,9 @@ class PictureStream {
       unit.reference_us = assembled->reference_us;
       unit.first_arrival_ns = assembled->first_arrival_ns;
       unit.arrival_ns = assembled->arrival_ns;
-      setTimestamp(unit, timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns}));
+      const auto instant = timestamper_.stamp(side_, {unit.pts, unit.reference_us, unit.first_arrival_ns});
+      if (!instant.is_usable) remarks_.add(StreamRemarks::Kind::time);
+      setTimestamp(unit, instant);
       return unit;
     }
     return std::nullopt;
@@ -103,6 +106,7 @@ class PictureStream {
   LossDetector losses_;
   StereoTimestamper& timestamper_;
   CameraSide side_;
+  StreamRemarks& remarks_;
   FramePeriodEstimator period_;  ///< in RTP ticks instead of ns
   std::optional<std::int64_t> last_pts_;
   bool has_begun_ = false;  ///< a picture where decoding can begin has come
@@ -117,8 +121,7 @@ class RtspCamera::Receiver {
  public:
   explicit Receiver(const RtspCameraSettings& settings) : settings_(settings) {
     checkSettings(settings_);
-    frozen_text_.append("the camera at ").append(rtspHost(settings_.url));
-    frozen_text_.append(" is frozen: it has sent the same picture for more than ");
+    frozen_text_.append(camera_).append(" is frozen: it has sent the same picture for more than ");
     frozen_text_.append(inSeconds(settings_.frozen_after)).append("; switch it off and on");
     health_.instant_source = InstantSource::arrival;
   }
@@ -168,7 +171,7 @@ class RtspCamera::Receiver {
   void connect() {
     try {
       session_.emplace(settings_, interrupted_);
-      stream_.emplace(session_->format(), settings_, *timestamper_, side_);
+      stream_.emplace(session_->format(), settings_, *timestamper_, side_, session_->remarks());
     } catch (const RtspError& error) {
       disconnect();
       if (error.kind() == RtspError::Kind::interrupted) return;
@@ -190,7 +193,6 @@ class RtspCamera::Receiver {
         connected_at_ + settings_.connect_timeout;  // a camera may send nothing until its next key frame
     if (observer_ != nullptr) observer_->onStream(session_->format());
     remarks_.clear();
-    overflow_ = 0;
     timestamper_->setReportNote(side_, {});
     const std::lock_guard lock(mutex_);
     health_.advice.clear();
@@ -208,12 +210,11 @@ class RtspCamera::Receiver {
         }
         break;
       case RtspSession::Outcome::timed_out:
-        closeStream(CameraState::stalled,
-                    "the camera at " + rtspHost(settings_.url) + " " + whyNoFrame() + "; reconnecting");
+        closeStream(CameraState::stalled, camera_ + " " + whyNoFrame() + "; reconnecting");
         break;
       case RtspSession::Outcome::lost:
-        closeStream(CameraState::connecting, "the connection to the camera at " + rtspHost(settings_.url) +
-                                                 " was lost (" + session_->reason() + "); reconnecting");
+        closeStream(CameraState::connecting,
+                    "the connection to " + camera_ + " was lost (" + session_->reason() + "); reconnecting");
         break;
       case RtspSession::Outcome::interrupted:
         break;
@@ -224,15 +225,19 @@ class RtspCamera::Receiver {
   void noteRemarks() {
     StreamRemarks& all = session_->remarks();
     const AccessUnitAssembler& assembler = stream_->assembler();
-    all.setTotal(StreamRemarks::Kind::structure, assembler.unsupported(),
-                 std::to_string(assembler.unsupportedType()));
-    all.setTotal(StreamRemarks::Kind::overflow, overflow_);
+    all.setTotal(StreamRemarks::Kind::structure, assembler.leftOut(), assembler.leftOutText());
     all.setTotal(StreamRemarks::Kind::undecodable, stream_->decoder().failures());
-    if (all.text() == remarks_) return;
+    if (all.text() == remarks_ && stream_->decoder().reorders() == reorders_) return;
     remarks_ = all.text();
+    reorders_ = stream_->decoder().reorders();
     timestamper_->setReportNote(side_, all.text(StreamRemarks::Kind::report));
     const std::lock_guard lock(mutex_);
-    health_.advice = "left out of what the camera at " + rtspHost(settings_.url) + " sends: " + remarks_;
+    health_.advice = remarks_.empty() ? "" : "left out of what " + camera_ + " sends: " + remarks_;
+    if (!reorders_) return;
+    if (!remarks_.empty()) health_.advice += "; ";
+    health_.advice += camera_ +
+                      " sends B-frames, which delay its pictures by some frame periods; switch them off in "
+                      "the camera (H.264 profile Baseline, or no smart codec)";
   }
 
   /// Why no frame came in time, and what was left out.
@@ -276,7 +281,7 @@ class RtspCamera::Receiver {
       // One unit gives one frame; several are queued only if the decoder reorders.
       if (frames_.size() >= kMaxQueuedFrames) {
         frames_.pop_front();
-        ++overflow_;
+        session_->remarks().add(StreamRemarks::Kind::overflow);
       }
       frames_.push_back(std::move(*frame));
     }
@@ -291,12 +296,6 @@ class RtspCamera::Receiver {
     health_.state = frozen ? CameraState::frozen : CameraState::streaming;
     if (frozen) health_.last_error = frozen_text_;
     health_.instant_source = frame.instant_source;
-    if (health_.advice.empty() && stream_->decoder().reorders()) {
-      health_.advice =
-          "the camera at " + rtspHost(settings_.url) +
-          " sends B-frames, which delay its pictures by some frame periods; switch them off in the "
-          "camera (H.264 profile Baseline, or no smart codec)";
-    }
     ++health_.frames;
     if (frame.status == FrameStatus::damaged) ++health_.damaged;
     return true;
@@ -351,6 +350,7 @@ class RtspCamera::Receiver {
   static constexpr milliseconds kShortestConnection{250}, kLockMargin{1000}, kMaxLock{2 * 60 * 60 * 1000};
 
   const RtspCameraSettings settings_;
+  const std::string camera_ = "the camera at " + rtspHost(settings_.url);  ///< for messages
   StreamObserver* observer_ = nullptr;
   StereoTimestamper own_timestamper_{ClockChoice::ntp};
   StereoTimestamper* timestamper_ = &own_timestamper_;
@@ -368,8 +368,8 @@ class RtspCamera::Receiver {
   std::uint64_t next_sequence_ = 0;
   int failures_ = 0;
   int refusals_ = 0;
-  std::uint64_t overflow_ = 0;  ///< frames that were not read in time
-  std::string remarks_;         ///< text of what this connection has left out
+  std::string remarks_;    ///< text of what this connection has left out
+  bool reorders_ = false;  ///< its pictures come in another order than they were taken in
 
   mutable std::mutex mutex_;  ///< guards health_
   std::condition_variable wake_;

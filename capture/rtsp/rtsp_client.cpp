@@ -216,7 +216,9 @@ RtspError RtspClient::failure(std::string_view method, const RtspHead& head) con
       break;
     case 453:
     case 503:
-      advice = "it cannot serve another viewer: close other viewers and recorders, or use its substream";
+      advice =
+          "it is not ready yet, has nothing more to send, or cannot serve another viewer: wait, close other "
+          "viewers and recorders, or use its substream";
       break;
     default:
       advice = isRedirection(head.status) ? "it redirects again and again: check the path of its URL"

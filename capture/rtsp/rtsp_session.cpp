@@ -220,8 +220,7 @@ void RtspSession::Connection::takeInterleaved(const RtspInput& input) {
   if (!source && input.channel != rtp_channel) {
     const std::optional<RtpPacket> packet = parseRtpPacket(input.data);
     const bool is_stream = packet && packet->payload_type == payload_type;
-    if (is_stream && ++packets_elsewhere < kMaxPacketsElsewhere) return;
-    if (is_stream) rtp_channel = input.channel;
+    if (is_stream && ++packets_elsewhere >= kMaxPacketsElsewhere) rtp_channel = input.channel;
   }
   if (input.channel == rtp_channel) return takeRtp(input.data, client.socket().arrivalNs());
   remarks.add(Remark::channel, std::to_string(input.channel));
@@ -249,6 +248,7 @@ void RtspSession::Connection::takeRtp(std::span<const std::uint8_t> bytes, std::
 
 void RtspSession::Connection::takeRtcp(std::span<const std::uint8_t> bytes) {
   const RtcpContent content = parseRtcp(bytes);
+  if (!content.is_whole) remarks.add(Remark::malformed);
   for (const SenderReport& one : content.reports)
     takeReport(one);
   if (content.ended_source && content.ended_source == source) ended = true;
@@ -258,6 +258,7 @@ void RtspSession::Connection::takeRtcp(std::span<const std::uint8_t> bytes) {
 /// set up, so that it belongs to this one, unless reports of the source itself come, or its RTP time is
 /// another.
 void RtspSession::Connection::takeReport(SenderReport one) {
+  if (one.instant_us < 0) return remarks.add(Remark::report, "that state a time before 1970: set its clock");
   if (source && one.source != *source) {
     const std::int64_t distance = static_cast<std::int32_t>(one.timestamp - newest_timestamp);
     const bool is_near = std::abs(distance) <= kMaxReportDistance;
@@ -377,7 +378,8 @@ bool RtspSession::Connection::next(StreamFragment& fragment) {
   fragment.reference_us.reset();
   if (report && report->source == header.source) {
     const auto since = static_cast<std::int32_t>(header.timestamp - report->timestamp);
-    fragment.reference_us = report->instant_us + static_cast<std::int64_t>(since) * 100 / 9;
+    const std::int64_t reference_us = report->instant_us + static_cast<std::int64_t>(since) * 100 / 9;
+    if (reference_us >= 0) fragment.reference_us = reference_us;
   }
   return true;
 }

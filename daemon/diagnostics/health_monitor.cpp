@@ -100,7 +100,8 @@ std::string firstProblem(const HealthSnapshot& snapshot, const std::string& ligh
   if (!snapshot.recording.empty()) return snapshot.recording;
   if (!snapshot.frame_rate.empty()) return snapshot.frame_rate;
   if (!snapshot.left.advice.empty()) return "left camera: " + snapshot.left.advice;
-  return snapshot.right.advice.empty() ? "" : "right camera: " + snapshot.right.advice;
+  if (!snapshot.right.advice.empty()) return "right camera: " + snapshot.right.advice;
+  return snapshot.clock.advice;
 }
 
 void setClock(health_t& message, const capture::ClockStatus& clock) {

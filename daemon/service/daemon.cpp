@@ -312,7 +312,7 @@ void Daemon::Implementation::publishHealth(Clock::time_point now) {
   right_log_.log(snapshot.right);
   for (const std::string& problem :
        {snapshot.problem, snapshot.clock.problem, snapshot.pairing, snapshot.recording, snapshot.frame_rate,
-        health_.lightProblem(), snapshot.left.advice, snapshot.right.advice}) {
+        health_.lightProblem(), snapshot.left.advice, snapshot.right.advice, snapshot.clock.advice}) {
     if (!problem.empty()) warnings_.warn(problem);
   }
   if (health_.selfCheck().consumeChange()) {

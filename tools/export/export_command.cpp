@@ -17,6 +17,7 @@
 #include "tools/cartvo/result_files.hpp"
 #include "tools/export/export_format.hpp"
 #include "tools/replay/summary.hpp"
+#include "tools/report/counted.hpp"
 
 namespace cartvo {
 namespace {
@@ -72,7 +73,8 @@ void run(const Options& options) {
     printJson(json);
     return;
   }
-  std::printf("%zu %s written to %s\n", count, source.replay ? "pairs" : "poses", options.output.c_str());
+  std::printf("%s written to %s\n", counted(count, source.replay ? "pair" : "pose").c_str(),
+              options.output.c_str());
 }
 
 }  // namespace

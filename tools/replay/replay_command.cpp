@@ -38,6 +38,7 @@
 #include "tools/replay/truth.hpp"
 #include "tools/replay/truth_consistency.hpp"
 #include "tools/replay/video/video_recorder.hpp"
+#include "tools/report/counted.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
@@ -161,8 +162,8 @@ Replay replayWithProgress(Options& options, LivePublisher* publisher, ReplayPage
 }
 
 void printSummary(const Options& options, const Replay& replay, const nlohmann::ordered_json& summary) {
-  std::printf("%zu pairs, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
-              replay.pairs.size(), summary["valid"].get<std::size_t>(),
+  std::printf("%s, %zu valid, %.1f m, median %.1f ms and p99 %.1f ms a pair; written to %s\n",
+              counted(replay.pairs.size(), "pair").c_str(), summary["valid"].get<std::size_t>(),
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
               summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
   if (replay.timing) {

@@ -165,7 +165,7 @@ Json clockJson(const ReplaySettings& settings, const Replay& replay) {
   json["offset_beyond_arrival_ms"] = 1e-6 * replay.clock->offset.value_ns;
   json["by_reports_ms"] = milliseconds(replay.clock->ntp);
   json["by_pictures_ms"] = milliseconds(replay.clock->visual);
-  json["problem"] = replay.clock->problem;
+  json["problem"] = replay.clock->problem.empty() ? replay.clock->advice : replay.clock->problem;
   return json;
 }
 

@@ -107,12 +107,26 @@ export function cameraRows({ left, right }) {
   ];
 }
 
+/** Frames that are in no pair, by the reason. */
+function leftOut(health) {
+  const counts = {
+    'without a partner': health.dropped_no_partner,
+    damaged: health.dropped_damaged,
+    'out of order': health.dropped_out_of_order,
+    'beyond the buffer': health.dropped_overflow,
+    'from before a clock was set back': health.dropped_clock,
+    'of another size': health.refused_size,
+  };
+  return Object.entries(counts).filter(([, count]) => count > 0).map(([words, count]) => `${count} ${words}`).join(', ') || 'none';
+}
+
 export function programRows(health) {
   const axes = ['pitch', 'yaw', 'roll'];
   return [
     ['Version', health.version],
     ['Running since', `${number(health.uptime_s / 60, 1)} min`],
-    ['Pairs', `${health.pairs}, ${number(health.pair_rate, 1, 'Hz')}; ${health.pairs_skipped} skipped, ${health.dropped_no_partner} frames without a partner`],
+    ['Pairs', `${health.pairs}, ${number(health.pair_rate, 1, 'Hz')}; ${health.pairs_skipped} skipped`],
+    ['Frames in no pair', leftOut(health)],
     ['State', health.odometry_state],
     ['Estimates', `${health.estimates_valid} valid, ${health.estimates_invalid} invalid`],
     ['Features aimed at', `${health.features_least} of ${health.features_configured}`],

@@ -159,6 +159,28 @@ TEST(StereoTimestamper, SlewsWhenReportsBegin) {
     ASSERT_NEAR(error.offset, 0.0, 1.5e-3) << "both cameras are slewed together, " << error.time;
 }
 
+TEST(StereoTimestamper, CorrectsBothPicturesOfAPairAlikeWhicheverComesFirst) {
+  for (const std::size_t first : {0U, 1U}) {
+    ClockFaults faults = leftFaults();
+    faults.jitter = faults.burst = faults.report_noise = 0.0;
+    ClockFaults without_reports = faults;
+    without_reports.report_interval = 0.0;
+    ClockSimulation cameras[] = {ClockSimulation(faults, 1), ClockSimulation(without_reports, 2)};
+    StereoTimestamper timestamper(ClockChoice::ntp);
+    std::int64_t begin_ns = 0;
+    for (int i = 0; i < 150; ++i) {
+      std::int64_t exposures[2] = {};
+      for (const std::size_t side : {first, 1 - first})
+        exposures[side] = timestamper.stamp(static_cast<CameraSide>(side), cameras[side].next()).exposure_ns;
+      ASSERT_NEAR(static_cast<double>(exposures[1] - exposures[0]), 0.0, 0.1e6) << i;
+      if (i == 0) begin_ns = exposures[0];
+      if (i == 149) {
+        EXPECT_NEAR(static_cast<double>(exposures[0] - begin_ns), 149 * 40e6 - 80e6, 1e6);
+      }
+    }
+  }
+}
+
 TEST(StereoTimestamper, UsesExactReportsWithChoiceNtp) {
   ClockFaults left = leftFaults();
   left.report_noise = 0.0;

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "capture/recording/recording_source.hpp"
@@ -119,6 +120,20 @@ TEST(RecordingTimestamper, UsesArrivalsOfPicturesLostFromVideo) {
     EXPECT_EQ(frame.exposure_ns, live[frame.order - 1].unit.exposure_ns);
   EXPECT_GT(frames, kPictures / 2);
   EXPECT_LT(frames, kPictures);
+}
+
+TEST(RecordingTimestamper, PicturesThatAreNotStampedAnewAreNamed) {
+  const test::TemporaryFolder folder;
+  std::vector<Live> live = liveCameras(ClockChoice::arrival);
+  record(folder / "drive", live);
+  live.resize(live.size() / 2);
+  record(folder / "half", live);
+  RecordingSource source(folder / "drive", CameraSide::left,
+                         std::make_shared<RecordingTimestamper>(folder / "half", ClockChoice::arrival));
+  Frame frame;
+  while (source.read(frame, std::chrono::milliseconds(0)) == ReadOutcome::frame)
+    continue;
+  EXPECT_THAT(source.health().last_error, testing::HasSubstr(" pictures keep their recorded instants"));
 }
 
 }  // namespace

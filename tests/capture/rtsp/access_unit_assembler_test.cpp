@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -193,6 +194,28 @@ TEST(AccessUnitAssembler, KeepsMessagesWithTimesOfTheirOwnWithTheirPicture) {
     }
   }
   EXPECT_TRUE(feeder.assembler.completesEarly());
+}
+
+TEST(AccessUnitAssembler, NamesPayloadsThatItLeavesOut) {
+  const auto left_out = [](Feeder& feeder, const std::vector<Packet>& packets) {
+    feeder.warmUp(3);
+    const std::uint64_t before = feeder.assembler.leftOut();
+    feeder.feed(packets);
+    return std::pair(feeder.assembler.leftOut() - before, feeder.assembler.leftOutText());
+  };
+  std::vector<Packet> headless = picture(false, {5000});
+  headless.front().payload[1] &= 0x7f;
+  const std::size_t count = headless.size();
+  Feeder feeder;
+  EXPECT_EQ(left_out(feeder, headless), std::pair(count, std::string("that continue no NAL unit")));
+  headless.front().data_lost = true;
+  EXPECT_EQ(left_out(feeder, headless).first, 0U) << "a loss explains it";
+  EXPECT_EQ(left_out(feeder, {{{28}}, {{24, 0, 9, 0x41}}, {{24, 0, 0, 0x41}}}),
+            std::pair(std::size_t{3}, std::string("that are cut off")));
+  EXPECT_EQ(left_out(feeder, {{{29, 0, 1}}}).second.substr(0, 10), "of type 29");
+  Feeder joining;
+  joining.feed(headless);
+  EXPECT_EQ(joining.assembler.leftOut(), 0U) << "the connection begins within a picture";
 }
 
 TEST(AccessUnitAssembler, TellsPicturesOfOneTimeStampApart) {

@@ -285,6 +285,10 @@ TEST(RtpSequencer, FollowsANewSequenceAndANewSender) {
   EXPECT_EQ(udp.leftOut(), 1U);
   EXPECT_EQ(sequenced(udp, {30000, 30001, 30002}), " 30001! 30002");
   EXPECT_EQ(sequenced(udp, {7, 8}, 2), " 7! 8");
+  const std::uint64_t before = udp.leftOut();
+  EXPECT_EQ(sequenced(udp, {10, 11}, 2), "") << "9 may still come";
+  EXPECT_EQ(sequenced(udp, {1, 2}, 3), " 1! 2");
+  EXPECT_EQ(udp.leftOut(), before + 2);
 }
 
 TEST(RtpSequencer, IgnoresGapsOverTcpThatAreAHabit) {
@@ -331,7 +335,12 @@ TEST(RtcpPacket, ReadsSenderReportsAndGoodbyes) {
   EXPECT_EQ(content.reports[0].timestamp, 9U);
   EXPECT_EQ(content.reports[0].ntp_middle, 0x7e818000U);
   EXPECT_EQ(content.ended_source, 7U);
+  EXPECT_TRUE(content.is_whole);
   EXPECT_THAT(parseRtcp(std::span(bytes).first(20)).reports, testing::IsEmpty());
+  for (const std::size_t size : {2, 20, 33})
+    EXPECT_FALSE(parseRtcp(std::span(bytes).first(size)).is_whole) << size;
+  bytes[3] = 1;  // a report without its contents
+  EXPECT_FALSE(parseRtcp(std::span(bytes).first(8)).is_whole);
   EXPECT_TRUE(isRtcp(bytes));
   EXPECT_FALSE(isRtcp(rtp(1)));
   const auto report = receiverReportPacket({1, 7, 3, 70000, 5, 6});

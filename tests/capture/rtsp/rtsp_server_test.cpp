@@ -137,6 +137,7 @@ TEST(RtspServer, RefusalsSayWhatToDo) {
   } cases[] = {{"SETUP", "461 Unsupported Transport", "set cameras.transport: udp"},
                {"SETUP", "406 no TCP", "answered SETUP with 406 no TCP; it does not send over TCP"},
                {"SETUP", "453 Not Enough Bandwidth", "close other viewers"},
+               {"DESCRIBE", "503 Service Unavailable", "not ready yet, has nothing more to send, or"},
                {"DESCRIBE", "404 Not Found", "has no such stream (404 Not Found); check the path of its URL"},
                {"PLAY", "500 Oops", "answered PLAY with 500 Oops"},
                {"DESCRIBE", "403 Forbidden", "allow the user to watch this stream"}};

@@ -140,6 +140,15 @@ TEST(HealthMessage, SelfCheckGivesTheAdviceWhileThereIsNoFault) {
   EXPECT_EQ(monitor.summarise({}, unmounted).self_check, calib::kNoMountText);
 }
 
+TEST(HealthMessage, NamesReportsThatAreNotUsedLast) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot unused = snapshot(1);
+  unused.clock.advice = "the left camera's clock is 9 s ahead";
+  EXPECT_EQ(monitor.summarise({}, unused).problem, unused.clock.advice);
+  unused.right.advice = "packets are left out";
+  EXPECT_EQ(monitor.summarise({}, unused).problem, "right camera: packets are left out");
+}
+
 TEST(HealthMessage, HoldsClockStatus) {
   HealthMonitor monitor{{}};
   HealthSnapshot clocks = snapshot(1);

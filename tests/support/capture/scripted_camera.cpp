@@ -273,13 +273,13 @@ void ScriptedCamera::sendReport(Client& client) {
   const double time = static_cast<double>(client.sent) / script_.frame_rate;
   const auto now = std::chrono::system_clock::now() +
                    std::chrono::nanoseconds(std::llround(1e9 * script_.clock_error(time)));
-  const std::int64_t ns = std::chrono::nanoseconds(now.time_since_epoch()).count();
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(now.time_since_epoch());
+  const std::chrono::duration<double> fraction = now.time_since_epoch() - seconds;
   Packet packet{0x80, 200};
   append16(packet, 6);
   append32(packet, kSource);
-  append32(packet, static_cast<std::uint32_t>(ns / 1'000'000'000) + kFrom1900To1970);
-  append32(packet,
-           static_cast<std::uint32_t>(std::ldexp(static_cast<double>(ns % 1'000'000'000) * 1e-9, 32)));
+  append32(packet, static_cast<std::uint32_t>(seconds.count()) + kFrom1900To1970);
+  append32(packet, static_cast<std::uint32_t>(std::ldexp(fraction.count(), 32)));
   append32(packet, client.rtp_time);
   append32(packet, static_cast<std::uint32_t>(client.sent));
   append32(packet, 0);

@@ -65,8 +65,11 @@ TEST(CalibratePlanCommand, ReportsEachCombinationInEachFormat) {
   EXPECT_NEAR(plan["designs"][3]["ranges"][1]["depth_error_m"].get<double>(),
               400.0 * 0.2 / (0.3 * 1280.0 * 4.0 / 5.6), 1e-9);
   EXPECT_TRUE(std::filesystem::exists(plot));
-  EXPECT_THAT(test::runCartvo(arguments).output, HasSubstr("error at 20 m (m)"));
-  EXPECT_THAT(test::runCartvo(arguments + "--format markdown").output, HasSubstr("| baseline (m) |"));
+  const std::string table = test::runCartvo(arguments).output;
+  EXPECT_THAT(table, HasSubstr("error at 20 m (m)"));
+  EXPECT_THAT(table, HasSubstr("overlap at 20 m (%)"));
+  EXPECT_LE(table.find("\n"), 80U) << "four designs on a narrow screen";
+  EXPECT_THAT(test::runCartvo(arguments + "--format markdown").output, HasSubstr("| baseline (m) "));
 }
 
 TEST(CalibratePlanCommand, IncludesARig) {

@@ -54,6 +54,15 @@ TEST(DaemonChecks, AcceptAHealthyDaemon) {
   EXPECT_EQ(worstVerdict(camera), Verdict::ok) << areaText(camera);
 }
 
+TEST(DaemonChecks, NameFramesThatAreInNoPair) {
+  health_t health = goodHealth();
+  health.dropped_no_partner = 20;
+  EXPECT_EQ(worstVerdict(checked(health)), Verdict::ok) << "as at a start";
+  health.dropped_out_of_order = 1;
+  EXPECT_THAT(findingOf(checked(health), "pairing"),
+              Saw(Verdict::look_at, "21 of 2000 (20 without a partner, 1 out of order)"));
+}
+
 TEST(DaemonChecks, NameTheStateOfTheOdometry) {
   health_t health = goodHealth();
   health.odometry_state = health_t::STANDSTILL;

@@ -13,6 +13,7 @@
 #include "common/statistics.hpp"
 #include "common/units.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
+#include "tools/report/counted.hpp"
 
 namespace cartvo::calibrate {
 namespace {
@@ -203,8 +204,9 @@ std::string rowCheckText(const RowChecks& checks, const calib::Rectification& re
   const RowCheck& check = checks.check;
   const StereoDesign design{rectification.baseline, rectification.focal_length,
                             static_cast<double>(rectification.size.width)};
-  std::string text = format("%d points in %d pairs (%.0f %% of the matches left out)\n", check.matches,
-                            check.pairs, 100.0 * check.outliers) +
+  std::string text = counted(static_cast<std::uint64_t>(check.matches), "point") + " in " +
+                     counted(static_cast<std::uint64_t>(check.pairs), "pair") +
+                     format(" (%.0f %% of the matches left out)\n", 100.0 * check.outliers) +
                      format("vertical disparity  RMS %.3f px, 95 %% below %.3f px, median %+.3f px\n",
                             check.rms, check.p95, check.median) +
                      format(

@@ -154,7 +154,7 @@ void addCalibratePlan(Command calibrate) {
   addQuestionOptions(command, *options);
   addReportOptions(command, *options);
   command.footer(
-      "The table has a row for each combination of the lists. Examples:\n"
+      "The table has a column for each combination of the lists. Examples:\n"
       "  cartvo calibrate plan --baseline 0.115,0.3,0.5 --hfov 70.6\n"
       "  cartvo calibrate plan --focal-mm 2.8,4,6 --sensor-width 5.4 --width 680,1280 --plot plan.svg");
   command.callback([options] { run(*options); });

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 
 #include "common/exact_text.hpp"
 #include "common/units.hpp"
@@ -25,17 +26,6 @@ double nearestMatched(const StereoDesign& design, const PlanSettings& settings) 
 std::string nameOf(const StereoDesign& design) {
   return "b " + significant(design.baseline) + " m, f " + fixed(design.focal_length, 0) + " px, " +
          fixed(design.image_width, 0) + " px wide";
-}
-
-std::vector<std::string> headerOf(const PlanSettings& settings) {
-  std::vector<std::string> header{
-      "baseline (m)", "focal (px)", "width (px)",
-      "view (deg)",   "from (m)",   "to " + exactText(100.0 * settings.relative_error) + " % (m)"};
-  for (const double range : settings.ranges) {
-    header.push_back("error at " + exactText(range) + " m (m)");
-    header.emplace_back("overlap (%)");
-  }
-  return header;
 }
 
 /// A property of a design as a function of the range.
@@ -77,20 +67,28 @@ Diagram diagramOf(const std::vector<StereoDesign>& designs, double max_range, co
 
 std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettings& settings,
                       ReportFormat format) {
-  Table table(headerOf(settings));
-  for (const StereoDesign& design : designs) {
-    std::vector<std::string> row{
-        exactText(design.baseline),
-        fixed(design.focal_length, 1),
-        fixed(design.image_width, 0),
-        fixed(kDegreesPerRadian * horizontalView(design), 1),
-        significant(nearestMatched(design, settings)),
-        significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error))};
-    for (const double range : settings.ranges) {
-      row.push_back(significant(depthError(design, settings.disparity_noise, range)));
-      row.push_back(fixed(100.0 * overlapAt(design, range), 1));
-    }
-    table.add(row);
+  const auto rowOf = [&designs](const std::string& name, const auto& textOf) {
+    std::vector<std::string> row{name};
+    std::transform(designs.begin(), designs.end(), std::back_inserter(row), textOf);
+    return row;
+  };
+  using Design = const StereoDesign&;
+  Table table(rowOf("baseline (m)", [](Design design) { return exactText(design.baseline); }));
+  table.add(rowOf("focal length (px)", [](Design design) { return fixed(design.focal_length, 1); }));
+  table.add(rowOf("width (px)", [](Design design) { return fixed(design.image_width, 0); }));
+  table.add(rowOf("view (deg)",
+                  [](Design design) { return fixed(kDegreesPerRadian * horizontalView(design), 1); }));
+  table.add(rowOf("from (m)", [&](Design design) { return significant(nearestMatched(design, settings)); }));
+  table.add(rowOf("to " + exactText(100.0 * settings.relative_error) + " % (m)", [&](Design design) {
+    return significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error));
+  }));
+  for (const double range : settings.ranges) {
+    const std::string place = " at " + exactText(range) + " m ";
+    table.add(rowOf("error" + place + "(m)", [&](Design design) {
+      return significant(depthError(design, settings.disparity_noise, range));
+    }));
+    table.add(rowOf("overlap" + place + "(%)",
+                    [&](Design design) { return fixed(100.0 * overlapAt(design, range), 1); }));
   }
   return table.as(format);
 }

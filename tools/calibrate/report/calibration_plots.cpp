@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/rectification/rectifier.hpp"
 #include "tools/calibrate/report/calibration_summary.hpp"
+#include "tools/report/axis.hpp"
 
 namespace cartvo {
 namespace {
@@ -33,6 +37,34 @@ std::string text(double x, double y, const std::string& words) {
 std::string rectangle(double x, double y, double width, double height, const char* colour) {
   return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n", x,
                      y, width, height, colour);
+}
+
+/// Horizontal grid lines from `left` to `right` with their values; `height`: that of a value above the base.
+std::string grid(double left, double right, double base, double largest, const char* unit,
+                 const std::function<double(double)>& height) {
+  const double step = roundStep(largest, 5);
+  std::string lines;
+  for (const double value : multiplesOf(step, 0.0, largest)) {
+    const double y = base - height(value);
+    lines += line(left, y, right, y, value == 0.0 ? "#888" : "#ddd") +
+             text(2, y + 4.0, tickLabel(value, step) + " " + unit);
+  }
+  return lines;
+}
+
+struct LegendEntry {
+  const char* colour;
+  const char* words;
+};
+
+std::string legend(double x, double y, std::initializer_list<LegendEntry> entries) {
+  constexpr double kLetter = 5.6, kMargin = 30.0;  // px
+  std::string content;
+  for (const LegendEntry& entry : entries) {
+    content += rectangle(x, y - 8.0, 9.0, 9.0, entry.colour) + text(x + 13.0, y, entry.words);
+    x += kMargin + kLetter * static_cast<double>(std::string_view(entry.words).size());
+  }
+  return content;
 }
 
 }  // namespace
@@ -74,8 +106,7 @@ std::string residualPlot(const calib::Calibration& calibration) {
   }
   const double width = kLeft + kGroup * static_cast<double>(calibration.views.size()) + 10.0;
   const auto height = [&](double rms) { return (kBase - 10.0) * rms / largest; };
-  std::string content = line(kLeft, kBase, width, kBase, "#888") + line(kLeft, 10, kLeft, kBase, "#888") +
-                        text(2, 14, fmt::format("{:.2f} px", largest)) + text(2, kBase, "0 px");
+  std::string content = grid(kLeft, width, kBase, largest, "px", height);
   for (std::size_t i = 0; i < calibration.views.size(); ++i) {
     const double x = kLeft + 2.0 + kGroup * static_cast<double>(i);
     const double left = height(calib::residualRms({calibration.residuals[i].left, {}}));
@@ -86,7 +117,7 @@ std::string residualPlot(const calib::Calibration& calibration) {
                rectangle(x + 10, kBase - held_out, 4, held_out, "#bbb");
     if (i % 5 == 0) content += text(x, kBase + 14, std::to_string(i));
   }
-  content += text(kLeft, kBase + 28, "views in order; blue: left, green: right, grey: held out");
+  content += legend(kLeft, kBase + 28, {{"#27c", "left"}, {"#2a7", "right"}, {"#bbb", "held out"}});
   return svg(std::max(width, 400.0), kHeight, content);
 }
 
@@ -100,9 +131,10 @@ std::string depthPlot(const calib::Calibration& calibration) {
     if (std::isfinite(at.p95)) largest = std::max(largest, at.p95 / at.distance);
   }
   const auto x = [&](double distance) { return kLeft + (kWidth - kLeft - 10.0) * distance / farthest; };
-  const auto y = [&](double share) { return kBase - (kBase - kTop) * share / largest; };
-  std::string content = line(kLeft, kBase, kWidth, kBase, "#888") + line(kLeft, kTop, kLeft, kBase, "#888") +
-                        text(2, kTop + 4, fmt::format("{:.1f} %", 100.0 * largest)) + text(2, kBase, "0 %");
+  const auto height = [&](double share) { return (kBase - kTop) * share / largest; };
+  const auto y = [&](double share) { return kBase - height(share); };
+  std::string content = grid(kLeft, kWidth, kBase, 100.0 * largest, "%",
+                             [&](double percent) { return height(0.01 * percent); });
   const auto curve = [&](auto share, const char* colour) {
     std::string points;
     for (const calib::DepthDifference& at : depth) {
@@ -118,9 +150,10 @@ std::string depthPlot(const calib::Calibration& calibration) {
   content += curve([](const calib::DepthDifference& at) { return at.p95 / at.distance; }, "#e90");
   for (const calib::DepthDifference& at : depth)
     content += text(x(at.distance) - 14.0, kBase + 14.0, fmt::format("{:.0f} m", at.distance));
-  content +=
-      text(kLeft, kBase + 27.0,
-           "blue: if the rows' error were along the row; green, orange: every other view, median and 95 %");
+  content += legend(kLeft - 50.0, kBase + 27.0,
+                    {{"#27c", "if the rows' error were along the row"},
+                     {"#2a7", "every other view, median"},
+                     {"#e90", "95 %"}});
   return svg(kWidth + 60.0, kHeight, content);
 }
 

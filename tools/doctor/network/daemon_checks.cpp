@@ -2,10 +2,13 @@
 #include "tools/doctor/network/daemon_checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -113,6 +116,31 @@ void checkReceivedRate(const camera_health_t& camera, const daemon::Configuratio
                 "set the rate of both cameras: cartvo camera apply frame-rate; measure it with --streams"});
 }
 
+/// Names frames that were received and are in no pair, by the reason.
+void checkPairing(const health_t& health, FindingList& findings) {
+  constexpr double kMaxLeftOut = 0.01;  // share of the frames
+  const std::array<std::pair<const char*, std::int64_t>, 6> reasons{
+      {{"without a partner", health.dropped_no_partner},
+       {"damaged", health.dropped_damaged},
+       {"out of order", health.dropped_out_of_order},
+       {"beyond the buffer", health.dropped_overflow},
+       {"from before a clock was set back", health.dropped_clock},
+       {"of another size", health.refused_size}}};
+  std::int64_t left_out = 0;
+  std::string seen;
+  for (const auto& [words, count] : reasons) {
+    left_out += count;
+    if (count > 0) seen += fmt::format("{}{} {}", seen.empty() ? "" : ", ", count, words);
+  }
+  const std::int64_t frames = health.left.frames + health.right.frames;
+  findings.add(
+      "pairing",
+      okIf(static_cast<double>(left_out) <= kMaxLeftOut * static_cast<double>(frames), Verdict::look_at),
+      {fmt::format("frames in no pair since cartvod started: {} of {}{}", left_out, frames,
+                   seen.empty() ? "" : " (" + seen + ")"),
+       "at most one of 100", "set one frame rate and one time server for both cameras; see 'losses'"});
+}
+
 }  // namespace
 
 void checkHealth(const health_t& health, const daemon::Configuration& configuration,
@@ -127,6 +155,7 @@ void checkHealth(const health_t& health, const daemon::Configuration& configurat
   addText("alert limits", health.bound_exceeded, findings);
   checkOdometryState(health, findings);
   checkSpeed(health, findings);
+  checkPairing(health, findings);
   checkOffset(health, configuration, findings);
   checkEstimatedReadouts(health, rig_readouts, findings);
 }

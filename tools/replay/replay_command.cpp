@@ -26,8 +26,6 @@
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/readout_option.hpp"
-#include "tools/evaluate/evaluation.hpp"
-#include "tools/evaluate/report.hpp"
 #include "tools/replay/live_publisher.hpp"
 #include "tools/replay/motion_csv.hpp"
 #include "tools/replay/odometry_csv.hpp"
@@ -36,7 +34,7 @@
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
 #include "tools/replay/truth.hpp"
-#include "tools/replay/truth_consistency.hpp"
+#include "tools/replay/truth_evaluation.hpp"
 #include "tools/replay/video/video_recorder.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
@@ -70,23 +68,6 @@ ReplayReadouts replayReadouts(const std::string& text) {
         "--readout-ms",
         "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
   return *readouts;
-}
-
-/// Associates the estimate with the truth where that is known, both for the body.
-AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& truth) {
-  const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
-  AssociatedTrajectories associated;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (!truth[i]) {
-      ++associated.unmatched;
-      continue;
-    }
-    const ReplayedPair& pair = replay.pairs[i];
-    associated.truth.push_back({pair.exposure_ns, *truth[i]});
-    associated.estimate.push_back(
-        {pair.exposure_ns, T_body_left * pair.T_first_left * T_body_left.inverse()});
-  }
-  return associated;
 }
 
 /// `check`: called between pictures.
@@ -188,16 +169,19 @@ void run(Options& options) {
 
   nlohmann::ordered_json summary = replaySummary(options.replay, replay);
   summary["threads"] = options.threads;
-  if (truth) {
-    summary["truth"] = options.truth.string();
-    summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
-    summary["consistency"] = consistencyJson(consistencyWithTruth(replay, *truth, options.truth));
-  }
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
   writeTum(output / "trajectory.tum", bodyTrajectory(replay), bodyTrajectoryFrame(replay));
   writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeResultFile(output / "odometry.csv", odometryCsv(replay));
   writeResultFile(output / "timing.csv", timingCsv(replay));
+  std::string table;
+  if (truth) {
+    TruthEvaluation compared = evaluateWithTruth(replay, *truth, options.truth);
+    summary["truth"] = options.truth.string();
+    summary["evaluation"] = std::move(compared.evaluation);
+    summary["consistency"] = std::move(compared.consistency);
+    table = std::move(compared.table);
+  }
   writeResultFile(output / "summary.json", jsonText(summary));
 
   constexpr std::size_t kMaxWarningBytes = 4000;
@@ -209,7 +193,7 @@ void run(Options& options) {
     printJson(summary);
   } else {
     printSummary(options, replay, summary);
-    if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
+    std::fputs(table.c_str(), stdout);
   }
   if (const std::string reason = nothingValidText(replay); !reason.empty())
     throw std::runtime_error(options.replay.source.string() + ": " + reason);

@@ -33,7 +33,6 @@
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
-#include "tools/replay/truth.hpp"
 #include "tools/replay/truth_evaluation.hpp"
 #include "tools/replay/video/video_recorder.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -157,31 +156,28 @@ void printSummary(const Options& options, const Replay& replay, const nlohmann::
 
 void run(Options& options) {
   const OutputFolder output(options.output);
-  if (!options.truth.empty()) readTruthRows(options.truth);  // reports a bad file before the replay
+  if (!options.truth.empty()) checkTruth(options.truth);  // before the replay
   cv::setNumThreads(options.threads);
   std::optional<LivePublisher> publisher;
   if (options.publish) publisher.emplace(options.url, options.speed);
   const std::unique_ptr<ReplayPage> page = startPage(options);
   const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr, page.get());
   if (page) page->finish();
-  std::optional<Truth> truth;
-  if (!options.truth.empty()) truth = readTruth(options.truth, replay);
 
   nlohmann::ordered_json summary = replaySummary(options.replay, replay);
   summary["threads"] = options.threads;
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
   writeTum(output / "trajectory.tum", bodyTrajectory(replay), bodyTrajectoryFrame(replay));
-  writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeResultFile(output / "odometry.csv", odometryCsv(replay));
   writeResultFile(output / "timing.csv", timingCsv(replay));
-  std::string table;
-  if (truth) {
-    TruthEvaluation compared = evaluateWithTruth(replay, *truth, options.truth);
+  TruthEvaluation compared;
+  if (!options.truth.empty()) {
+    compared = evaluateWithTruth(replay, options.truth);
     summary["truth"] = options.truth.string();
     summary["evaluation"] = std::move(compared.evaluation);
     summary["consistency"] = std::move(compared.consistency);
-    table = std::move(compared.table);
   }
+  writeResultFile(output / "Motionestimation.csv", motionCsv(replay, compared.errors));
   writeResultFile(output / "summary.json", jsonText(summary));
 
   constexpr std::size_t kMaxWarningBytes = 4000;
@@ -193,7 +189,7 @@ void run(Options& options) {
     printJson(summary);
   } else {
     printSummary(options, replay, summary);
-    std::fputs(table.c_str(), stdout);
+    std::fputs(compared.table.c_str(), stdout);
   }
   if (const std::string reason = nothingValidText(replay); !reason.empty())
     throw std::runtime_error(options.replay.source.string() + ": " + reason);

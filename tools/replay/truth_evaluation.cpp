@@ -37,8 +37,10 @@ Json numbers(const Matrix& matrix) {
   return values;
 }
 
-/// Runs `program` with its standard input from `input`; returns its standard output.
-std::string outputOf(const std::filesystem::path& program, const std::string& input) {
+/// Runs cartvo-evaluate, which is beside this program, with `option` and the truth, and its standard input
+/// from `input`; returns its standard output. Throws std::runtime_error with `failure` if it fails.
+std::string outputOf(std::string option, const std::filesystem::path& truth, const std::string& input,
+                     const char* failure) {
   const File in = temporaryFile(), out = temporaryFile();
   if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() || std::fflush(in.get()) != 0)
     throw std::runtime_error("the temporary file cannot be written");
@@ -47,8 +49,9 @@ std::string outputOf(const std::filesystem::path& program, const std::string& in
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
-  std::string name = program.string(), option = "--of-replay";
-  const std::array<char*, 3> words{name.data(), option.data(), nullptr};
+  std::string name = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cartvo-evaluate",
+              file = truth.string();
+  const std::array<char*, 4> words{name.data(), option.data(), file.data(), nullptr};
   pid_t child = 0;
   const int error = posix_spawn(&child, name.c_str(), &actions, nullptr, words.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -57,10 +60,7 @@ std::string outputOf(const std::filesystem::path& program, const std::string& in
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (status != 0)
-    throw std::runtime_error(
-        "the replay could not be compared with its truth; replay without --truth, and compare by "
-        "'cartvo evaluate'");
+  if (status != 0) throw std::runtime_error(failure);
   std::string output;
   std::array<char, 4096> part{};
   std::rewind(out.get());
@@ -69,21 +69,16 @@ std::string outputOf(const std::filesystem::path& program, const std::string& in
   return output;
 }
 
-}  // namespace
-
-Json evaluationInput(const Replay& replay, const Truth& truth, const std::filesystem::path& file) {
-  const bool has_poses_of_body = !std::filesystem::is_directory(file) && !isKittiTrajectory(file);
-  Json input{{"T_body_camera", numbers(replay.rig.rig.T_body_camera.matrix())},
-             {"truth", has_poses_of_body ? Json(file.string()) : Json(nullptr)}};
-  for (std::size_t i = 0; i < replay.pairs.size(); ++i) {
-    const ReplayedPair& pair = replay.pairs[i];
+/// The input of `cartvo-evaluate --of-replay`, which tools/evaluate/evaluation/of_replay.py describes.
+Json inputOf(const Replay& replay) {
+  Json input{{"T_body_camera", numbers(replay.rig.rig.T_body_camera.matrix())}};
+  for (const ReplayedPair& pair : replay.pairs) {
     vo::Vector6d twist;
     twist << pair.velocity, pair.angular_velocity;
     input["exposure_ns"].push_back(pair.exposure_ns);
     input["valid"].push_back(pair.valid);
     input["reset_counter"].push_back(pair.reset_counter);
     input["time_step"].push_back(pair.time_step);
-    input["truth_of_body"].push_back(truth[i] ? numbers(truth[i]->matrix()) : Json(nullptr));
     input["T_first_left"].push_back(numbers(pair.T_first_left.matrix()));
     input["T_epoch_left"].push_back(numbers(pair.T_epoch_left.matrix()));
     input["T_previous_current"].push_back(numbers(pair.T_previous_current.matrix()));
@@ -95,15 +90,19 @@ Json evaluationInput(const Replay& replay, const Truth& truth, const std::filesy
   return input;
 }
 
-TruthEvaluation evaluateWithTruth(const Replay& replay, const Truth& truth,
-                                  const std::filesystem::path& file) {
-  const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cartvo-evaluate";
-  const std::string input =
-      evaluationInput(replay, truth, file).dump(-1, ' ', false, Json::error_handler_t::replace);
-  nlohmann::ordered_json output = nlohmann::ordered_json::parse(outputOf(program, input));
+}  // namespace
+
+void checkTruth(const std::filesystem::path& truth) {
+  outputOf("--check-truth", truth, "", "--truth cannot be used; nothing was replayed");
+}
+
+TruthEvaluation evaluateWithTruth(const Replay& replay, const std::filesystem::path& truth) {
+  const std::string text =
+      outputOf("--of-replay", truth, inputOf(replay).dump(),
+               "the replay could not be compared with its truth; replay without --truth");
+  auto output = nlohmann::ordered_json::parse(text);
   return {std::move(output["evaluation"]), std::move(output["consistency"]),
-          output["table"].get<std::string>()};
+          output["errors"].get<std::vector<std::string>>(), output["table"].get<std::string>()};
 }
 
 }  // namespace cartvo

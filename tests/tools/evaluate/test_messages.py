@@ -1,12 +1,11 @@
-"""Messages of an odometry.csv: errors above limits and bounds, availability, the true velocity, the comparison of a replay."""
+"""Messages of an odometry.csv: errors above limits and bounds, availability, the true velocity."""
 import csv
 import json
 import math
-import subprocess
 
 import numpy as np
 import pytest
-from conftest import CARTVO, circle, kitti, pose, quaternion, straight, tum, turn
+from conftest import kitti, pose, quaternion, straight, tum, turn
 
 SPEED, LEAD = 2.0, 2  # m/s; true poses before the first message
 TRIANGLE = [f"c{i}" for i in range(20)]
@@ -160,73 +159,6 @@ def test_a_bad_row_is_refused_with_its_line(bench, change, said):
     assert "odometry.csv" + said in bench.error("odometry.csv", "truth.tum")
     bench.write("odometry.csv", "pair,utime_us,valid\n")
     assert "odometry.csv:1: has no column 'reasons'; expected the odometry.csv that" in bench.error("odometry.csv", "truth.tum")
-
-
-def replay(count, noise, lost=()):
-    """The input of cartvo-evaluate --of-replay: a drive on a circle with errors of known covariance, lost at some pairs."""
-    generator, deviations = np.random.default_rng(7), np.array([0.01, 0.005, 0.02, 0.001, 0.002, 0.0005])
-    truth, motions, epochs, first, epoch, covariance = circle(count, 20.0, 0.8), [], [], [np.eye(4)], [np.eye(4)], [np.zeros((6, 6))]
-    for i in range(1, count):
-        error = noise * deviations * generator.standard_normal(6)
-        motion = np.linalg.inv(truth[i - 1]) @ truth[i] @ pose(error[:3], turn(error[5], error[4], error[3]))
-        adjoint = np.zeros((6, 6))
-        R, t = motion[:3, :3].T, -motion[:3, :3].T @ motion[:3, 3]
-        adjoint[:3, :3] = adjoint[3:, 3:] = R
-        adjoint[:3, 3:] = np.array([[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]]) @ R
-        motions.append(motion)
-        epochs.append(sum(i > pair for pair in lost))
-        is_new = i > 1 and epochs[-1] != epochs[-2]
-        first.append(first[-1] @ motion)
-        epoch.append((np.eye(4) if is_new else epoch[-1]) @ motion)
-        covariance.append((0 if is_new else adjoint @ covariance[-1] @ adjoint.T) + np.diag(deviations**2))
-    return {"T_body_camera": np.eye(4).ravel().tolist(), "truth": None, "exposure_ns": [100_000_000 * i for i in range(count)],
-            "valid": [False, *(i not in lost for i in range(1, count))], "reset_counter": [0, *epochs], "time_step": [0, *[0.1] * (count - 1)],
-            "truth_of_body": truth.reshape(-1, 16).tolist(), "T_first_left": np.reshape(first, (-1, 16)).tolist(),
-            "T_epoch_left": np.reshape(epoch, (-1, 16)).tolist(), "T_previous_current": np.reshape([np.eye(4), *motions], (-1, 16)).tolist(),
-            "twist": [[None] * 6, *[[9.0, 0, 0, 0, 0, 0.4]] * (count - 1)], "motion_covariance": [np.diag(deviations**2).ravel().tolist()] * count,
-            "pose_covariance": np.reshape(covariance, (-1, 36)).tolist(), "twist_covariance": [np.eye(6).ravel().tolist()] * count}
-
-
-def of_replay(document):
-    program = CARTVO.replace("/cartvo/cartvo", "/libexec/cartvo/cartvo-evaluate").replace("/bin/cartvo", "/libexec/cartvo/cartvo-evaluate")
-    done = subprocess.run([program, "--of-replay"], input=json.dumps(document), capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
-
-
-def test_a_replay_with_true_covariances_is_consistent():
-    found = of_replay(replay(400, 1.0))
-    consistency = found["consistency"]
-    low, high = consistency["nees_motion"]["band_95_percent"]
-    assert low < consistency["nees_motion"]["mean"] < high and consistency["nees_motion"]["samples"] == 399
-    # The quantiles of chi-square with 6 n degrees of freedom over 6 n, in the approximation of Wilson and Hilferty.
-    assert [low, high] == pytest.approx([(1 - 2 / (9 * 2394) + z * math.sqrt(2 / (9 * 2394))) ** 3 for z in (-1.959964, 1.959964)], abs=1e-5)
-    low, high = consistency["nees_pose"]["band_95_percent"]
-    assert [low, high] == pytest.approx([1.237344 / 6, 14.449375 / 6], abs=1e-5)  # from a table
-    assert low < consistency["nees_pose"]["mean"] < high and consistency["nees_pose"]["samples"] == 1
-    # The velocity is off by 1 m/s of 8, and states a deviation of 1 m/s.
-    assert consistency["nees_velocity"]["mean"] == pytest.approx(1 / 6, abs=1e-3) and consistency["rate_error_deg_s"] < 0.01
-    assert consistency["true_rate_deg_s"] == pytest.approx(math.degrees(0.4), rel=1e-3) and consistency["standing_highest_speed_m_s"] is None
-    assert found["evaluation"]["poses"] == 400 and found["table"].startswith("poses compared")
-
-
-def test_a_replay_with_too_small_covariances_and_losses():
-    consistency = of_replay(replay(400, 1.5, lost=(100, 200)))["consistency"]
-    assert consistency["nees_motion"]["mean"] == pytest.approx(2.25, rel=0.15)
-    assert consistency["nees_motion"]["mean"] > consistency["nees_motion"]["band_95_percent"][1]
-    assert (consistency["nees_motion"]["samples"], consistency["nees_pose"]["samples"]) == (397, 3)
-
-
-def test_standstill_of_a_replay_is_no_measurement():
-    document = replay(20, 0.0)
-    for name in ("truth_of_body", "T_previous_current", "T_first_left", "T_epoch_left"):
-        document[name] = [np.eye(4).ravel().tolist()] * 20
-    document["twist"] = [[None] * 6, *([0, 0.03 if i == 4 else 0.01, 0, 0, 0, 0] for i in range(19))]
-    document["truth_of_body"][7] = None
-    found = of_replay(document)
-    consistency = found["consistency"]
-    assert (consistency["standing_pairs"], consistency["standing_highest_speed_m_s"], consistency["nees_motion"]["samples"]) == (17, 0.03, 0)
-    assert consistency["nees_motion"]["mean"] is None and found["evaluation"]["unmatched"] == 1
-    assert found["evaluation"]["final_drift_percent"] is None and found["evaluation"]["poses"] == 19
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

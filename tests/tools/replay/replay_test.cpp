@@ -27,7 +27,6 @@
 #include "tools/replay/odometry_csv.hpp"
 #include "tools/replay/output_files.hpp"
 #include "tools/replay/summary.hpp"
-#include "tools/replay/truth.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 
 namespace cartvo {
@@ -166,10 +165,9 @@ TEST_F(ReplayOfKitti, IsBitwiseReproducibleWithAnyNumberOfThreads) {
   EXPECT_EQ(poses[1], poses[2]);
 }
 
-TEST_F(ReplayOfKitti, WritesMotionAndErrorsInBodyAxes) {
+TEST_F(ReplayOfKitti, WritesMotionInBodyAxes) {
   const Replay& replay = replayOfAll();
-  const Truth truth = readTruth(folder_ / "poses.txt", replay);
-  const std::vector<std::string> rows = linesOf(motionCsv(replay, &truth));
+  const std::vector<std::string> rows = linesOf(motionCsv(replay));
   ASSERT_EQ(rows.size(), kPairs + 1u);
   const std::vector<std::string> header = fieldsOf(rows.front());
   const auto column = [&](const std::vector<std::string>& fields, const std::string& name) {
@@ -178,24 +176,16 @@ TEST_F(ReplayOfKitti, WritesMotionAndErrorsInBodyAxes) {
   for (const std::string& row : rows)
     ASSERT_EQ(fieldsOf(row).size(), header.size());
   EXPECT_EQ(column(fieldsOf(rows[1]), "Vx"), "");
-  EXPECT_EQ(column(fieldsOf(rows[1]), "error_Vx"), "");
   for (std::size_t i = 2; i < rows.size(); ++i) {
     const std::vector<std::string> fields = fieldsOf(rows[i]);
     EXPECT_NEAR(std::stod(column(fields, "Vx")), 12.0, 2.0);  // forward, as kitti_06 drives
     EXPECT_NEAR(std::stod(column(fields, "Vy")), 0.0, 1.0);
-    EXPECT_NEAR(std::stod(column(fields, "error_Vx")), 0.0, 0.6);
-    EXPECT_NEAR(std::stod(column(fields, "error_yaw_rate")), 0.0, 0.05);
   }
   EXPECT_GT(std::stod(column(fieldsOf(rows.back()), "x")), 5.0);
-}
-
-TEST_F(ReplayOfKitti, ReadsBodyTruthByTime) {
-  const Replay& replay = replayOfAll();
-  writeTum(folder_ / "truth.tum", bodyTrajectory(replay));
-  const Truth truth = readTruth(folder_ / "truth.tum", replay);
-  ASSERT_EQ(truth.size(), replay.pairs.size());
-  const std::vector<std::string> last = fieldsOf(linesOf(motionCsv(replay, &truth)).back());
-  EXPECT_NEAR(std::stod(last.back()), 0.0, 1e-6);  // error_position
+  const std::vector<std::string> with_errors =
+      linesOf(motionCsv(replay, std::vector(kPairs, std::string(",,,,,,,1.5"))));
+  EXPECT_THAT(with_errors.front(), ::testing::EndsWith(",error_roll_rate,error_position"));
+  EXPECT_EQ(with_errors[1], rows[1] + ",,,,,,,1.5");
 }
 
 TEST_F(ReplayOfKitti, WritesTimesOfEachStageAndPair) {
@@ -259,13 +249,6 @@ TEST_F(ReplayOfKitti, WithoutRigIsRejectedWithInstructions) {
   std::filesystem::remove(folder_ / "calib.txt");
   EXPECT_THAT(test::messageOf([&] { replayed(folder_.path()); }),
               HasSubstr("Give --rig FILE, or put a rig.yaml"));
-}
-
-TEST_F(ReplayOfKitti, RejectsTruthWithWrongNumberOfPoses) {
-  CARTVO_NEEDS_DATA(sequence, "kitti_06");
-  const Replay& replay = replayOfAll();
-  EXPECT_THAT(test::messageOf([&] { readTruth(sequence / "poses.txt", replay); }),
-              HasSubstr("has 51 poses for 6 pairs"));
 }
 
 /// Records pairs of a KITTI sequence as encoded streams of two cameras.

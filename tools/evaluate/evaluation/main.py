@@ -88,9 +88,9 @@ def main(version):
     occupy_standard_descriptors()
     np.seterr(all="ignore")  # values that are no numbers are shown as such
     try:
-        if sys.argv[1:2] == ["--of-replay"]:
-            from evaluation.of_replay import evaluate_replay
-            evaluate_replay()
+        if sys.argv[1:2] in (["--of-replay"], ["--check-truth"]):  # see `cartvo replay --truth`
+            from evaluation.of_replay import evaluate_replay, read_truth
+            (evaluate_replay if sys.argv[1] == "--of-replay" else read_truth)(*sys.argv[2:3])
             return 0
         options = read_options(sys.argv[1:], version)
         if options:

@@ -1,10 +1,11 @@
-"""Compares a replay, pair by pair, with the truth: the part of summary.json that `cartvo replay --truth` adds.
+"""Compares a replay, pair by pair, with the truth: what `cartvo replay --truth` adds to its files.
 
-`cartvo-evaluate --of-replay` reads a JSON object from the standard input: "T_body_camera" (16 numbers, by rows), "truth" (the file of the body's
-poses, or null: those of the pairs), and lists with one value for each pair, see Pairs. It prints a JSON object: "evaluation" and "consistency" of
-summary.json, and "table"."""
+`cartvo-evaluate --of-replay TRUTH` reads a JSON object from the standard input: "T_body_camera" (16 numbers, by rows), and lists with one value
+for each pair, see Pairs. It prints a JSON object: "evaluation" and "consistency" of summary.json, "errors", a text for each row of
+Motionestimation.csv, and "table". `cartvo-evaluate --check-truth TRUTH` only reads the truth."""
 import json
 import math
+import os
 import sys
 
 import numpy as np
@@ -12,8 +13,9 @@ import numpy as np
 from evaluation.interpolation import TrueTwist
 from evaluation.measures import evaluate, evaluation_json, evaluation_table, rms
 from evaluation.motion import inverse, motion_vectors
-from evaluation.pairing import Pairing
-from evaluation.program import json_text, print_output
+from evaluation.oxts import read_oxts
+from evaluation.pairing import Pairing, pair_by_time
+from evaluation.program import EvaluationError, json_text, print_output
 from evaluation.trajectory import Trajectory, read_trajectory
 from evaluation.validity import normalised_errors
 
@@ -22,10 +24,15 @@ STANDSTILL_MOTION, ROUNDING = 1e-3, 1e-12  # m; of the elements of an identity
 TAIL = 0.025  # probability on each side of the band
 
 
+def read_truth(file):
+    """A trajectory, or a raw recording of KITTI."""
+    return read_oxts(file) if os.path.isdir(file) else read_trajectory(file)
+
+
 class Pairs:
     """Arrays over the pairs; poses (n, 4, 4), m; NaN: no value."""
 
-    def __init__(self, replay):
+    def __init__(self, replay, truth):
         def array(name, *shape):
             none = [math.nan] * math.prod(shape)
             return np.array([none if value is None else value for value in replay[name]], float).reshape(-1, *shape)
@@ -33,14 +40,46 @@ class Pairs:
         self.valid = np.array(replay["valid"], bool)
         self.epochs = replay["reset_counter"]
         self.time_steps = array("time_step")  # s, since the pair from which the motion is measured; 0: no motion was measured
-        self.truth = array("truth_of_body", 4, 4)  # of the body
         self.first, self.epoch = array("T_first_left", 4, 4), array("T_epoch_left", 4, 4)
         self.motions = array("T_previous_current", 4, 4)  # of the left camera
         self.twists = array("twist", 6)  # of the body, m/s and rad/s
         self.motion_covariances, self.pose_covariances, self.twist_covariances = (
             array(f"{name}_covariance", 6, 6) for name in ("motion", "pose", "twist"))
         self.T_body_camera = np.reshape(replay["T_body_camera"], (4, 4))
+        self.body = self.T_body_camera @ self.first @ inverse(self.T_body_camera)
+        self.truth = np.full((len(self.times), 4, 4), np.nan)  # of the body, relative to the first known one
+        self.dense_truth = self.set_truth(truth)
         self.is_known = ~np.isnan(self.truth[:, 0, 0])
+
+    def later_pairs(self):
+        """Those that are later than all before."""
+        kept = []
+        for i, time in enumerate(self.times.tolist()):
+            if not kept or time > self.times[kept[-1]]:
+                kept.append(i)
+        return np.array(kept)
+
+    def set_truth(self, file):
+        """Rows of KITTI are poses of the left camera, one for each pair; rows of TUM and EuRoC are poses of the body, at any instants; a
+        raw recording of KITTI has poses of the left camera at any instants. Returns the true poses of the body as densely as they are known."""
+        truth, T = read_truth(file), self.T_body_camera
+        if truth.is_kitti and len(truth.times) != len(self.times):
+            raise EvaluationError(f"{file}: has {len(truth.times)} poses for {len(self.times)} pairs; KITTI rows have no times, so there must be "
+                                  "one row for each pair")
+        if truth.is_kitti:
+            self.truth[:] = inverse(truth.poses[0]) @ truth.poses
+        else:
+            kept = self.later_pairs()
+            try:
+                found = pair_by_time(Trajectory(self.times[kept], self.body[kept]), truth)
+            except EvaluationError as error:
+                raise EvaluationError(f"{file}: {error}") from None
+            self.truth[kept[np.isin(self.times[kept], found.times)]] = inverse(found.truth[0]) @ found.truth
+        if truth.is_kitti or os.path.isdir(file):
+            self.truth[:] = T @ self.truth @ inverse(T)
+            kept = [i for i in self.later_pairs() if not np.isnan(self.truth[i, 0, 0])]
+            return Trajectory(self.times[kept], self.truth[kept])
+        return truth
 
     def reference(self, i):
         """The pair from which the motion of pair `i` is measured, which is one of those before."""
@@ -52,18 +91,27 @@ class Pairs:
         return j
 
     def pairing(self):
-        T = self.T_body_camera
-        estimate = T @ self.first[self.is_known] @ inverse(T)
-        return Pairing(False, self.times[self.is_known], estimate, self.truth[self.is_known], int((~self.is_known).sum()))
+        return Pairing(False, self.times[self.is_known], self.body[self.is_known], self.truth[self.is_known], int((~self.is_known).sum()))
 
-    def body_poses(self):
-        """The true poses at the pairs, in the order of time."""
-        kept, last = [], -math.inf
-        for i in np.flatnonzero(self.is_known).tolist():
-            if self.times[i] > last:
-                kept.append(i)
-                last = self.times[i]
-        return Trajectory(self.times[kept], self.truth[kept])
+
+def twists_of(motions):
+    """(n, 6) constant twists of motions in a unit of time: J. Solà et al., A micro Lie theory, 2018, eq. 146 and 174."""
+    vectors = motion_vectors(motions)
+    t, w = vectors[:, :3], vectors[:, 3:]
+    angle = np.maximum(np.linalg.norm(w, axis=1, keepdims=True), 1e-4)
+    factor = (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
+    return np.concatenate([t - 0.5 * np.cross(w, t) + factor * np.cross(w, np.cross(w, t)), w], 1)
+
+
+def error_columns(pairs):
+    """For each pair the text of the error columns of Motionestimation.csv: estimate minus truth of Vx, Vy, Vz, pitch, yaw and roll rate, m/s and
+    rad/s, and the distance between the estimated and the true position, m; empty where the truth is unknown."""
+    from_ = np.array([pairs.reference(i) if i > 0 and pairs.valid[i] else i for i in range(len(pairs.times))])
+    errors = pairs.twists - twists_of(inverse(pairs.truth[from_]) @ pairs.truth) / pairs.time_steps[:, None]
+    errors[from_ == np.arange(len(from_))] = np.nan
+    away = np.linalg.norm(pairs.body[:, :3, 3] - pairs.truth[:, :3, 3], axis=1)
+    columns = np.column_stack([errors[:, [0, 1, 2, 4, 5, 3]], away]).tolist()
+    return ["".join(f",{value + 0.0:.9g}" if math.isfinite(value) else "," for value in row) for row in columns]
 
 
 def band(count):
@@ -94,7 +142,7 @@ def errors_json(errors, covariances, groups):
             "unusable": int(np.isnan(values).sum())}
 
 
-def consistency_json(pairs, truth):
+def consistency_json(pairs):
     """How covariances and velocities agree with the truth, each error in the frame and with the perturbation that its covariance is defined for
     (on the right, in the axes of the current frame). Each motion is a group of its own, and the poses of an epoch are one, because each has the
     errors of those before. A zero-velocity update (a motion of exactly the identity) is left out if the camera truly moved less than a millimetre:
@@ -116,7 +164,7 @@ def consistency_json(pairs, truth):
     size, turn = (np.linalg.norm(part, axis=1) for part in np.split(motion_vectors(true_motions), 2, 1))
     stands = (size < STANDING) & (turn < STANDING)
     speeds = np.linalg.norm(pairs.twists[now[stands], :3], axis=1)
-    twists, true_twists = pairs.twists[now], TrueTwist(truth).at(pairs.times[now])
+    twists, true_twists = pairs.twists[now], TrueTwist(pairs.dense_truth).at(pairs.times[now])
     has_twist = np.isfinite(true_twists).all(1)
     rated = has_twist & np.isfinite(twists).all(1)
     true_rate = math.degrees(rms(np.linalg.norm(true_twists[rated, 3:], axis=1)))
@@ -134,10 +182,8 @@ def consistency_json(pairs, truth):
         "true_rate_deg_s": true_rate if true_rate > 0 else None}
 
 
-def evaluate_replay():
-    replay = json.load(sys.stdin)
-    pairs = Pairs(replay)
-    truth = read_trajectory(replay["truth"]) if replay["truth"] else pairs.body_poses()
+def evaluate_replay(truth):
+    pairs = Pairs(json.load(sys.stdin), truth)
     evaluation = evaluate(pairs.pairing())
-    print_output(json_text({"evaluation": evaluation_json(evaluation), "consistency": consistency_json(pairs, truth),
+    print_output(json_text({"evaluation": evaluation_json(evaluation), "consistency": consistency_json(pairs), "errors": error_columns(pairs),
                             "table": evaluation_table(evaluation)}))

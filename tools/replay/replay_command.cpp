@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core/utility.hpp>
 
@@ -18,9 +19,9 @@
 #include "common/command_line/parser.hpp"
 #include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
+#include "common/units.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/configuration_names.hpp"
-#include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"
@@ -286,6 +287,22 @@ void addEstimationOptions(Command command, Options& options) {
                  "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
                  "recording of KITTI with its oxts; adds error columns")
       .typeName("FILE|DIR");
+}
+
+void addAlertLimitsOption(Command command, std::optional<pipeline::AlertLimits>& limits) {
+  command
+      .addListOption(
+          "--alert-limits",
+          [&limits](const std::vector<double>& values) {
+            limits = {values[0], kRadiansPerDegree * values[1], values[2], kRadiansPerDegree * values[3]};
+          },
+          "Largest bounds of valid pairs: of velocity (m/s), angular rate (deg/s), translation (m) and "
+          "rotation (deg) over the last second; without it those of the recording's configuration, else "
+          "cartvod's")
+      .delimiter(',')
+      .expected(4)
+      .range(1e-3, 1e6)
+      .typeName("V,RATE,MOTION,ROTATION");
 }
 
 /// Returns the option and the address that is given with it; without one the page is at kPagePort.

@@ -1,4 +1,4 @@
-// Fuzz target for the trajectories of `cartvo evaluate`, in TUM's and KITTI's formats.
+// Fuzz target for the trajectories of `cartvo export` and `cartvo simulate`, in TUM's and KITTI's formats.
 
 #include "tools/trajectory/trajectory.hpp"
 

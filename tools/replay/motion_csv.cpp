@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "pipeline/body_motion.hpp"
-
 namespace cartvo {
 namespace {
 
@@ -36,12 +34,6 @@ vo::Vector6d motionColumns(const Eigen::Vector3d& velocity, const Eigen::Vector3
   return columns;
 }
 
-/// Constant twist of the true motion between two pairs.
-vo::Vector6d trueMotion(const Eigen::Isometry3d& before, const Eigen::Isometry3d& now, double time_step) {
-  const vo::Vector6d twist = pipeline::logarithm(before.inverse() * now) / time_step;
-  return motionColumns(twist.head<3>(), twist.tail<3>());
-}
-
 void addPose(Row& row, const Eigen::Isometry3d& T_first_body) {
   const Eigen::Matrix3d R = T_first_body.linear();
   const Eigen::Vector3d position = T_first_body.translation();
@@ -52,42 +44,12 @@ void addPose(Row& row, const Eigen::Isometry3d& T_first_body) {
   add(row, std::atan2(R(1, 0), R(0, 0)));
 }
 
-/// Index of the pair that the motion of pair `index` starts from, found by its time step. Not always the
-/// previous pair, which may have had no estimate.
-std::size_t startPairOf(const Replay& replay, std::size_t index) {
-  const double expected = replay.pairs[index].time_step;
-  std::size_t previous = index - 1;
-  const auto step = [&](std::size_t from) {
-    return 1e-9 * static_cast<double>(replay.pairs[index].exposure_ns - replay.pairs[from].exposure_ns);
-  };
-  while (previous > 0 && std::abs(step(previous) - expected) > std::abs(step(previous - 1) - expected))
-    --previous;
-  return previous;
-}
-
-void addErrors(Row& row, const Replay& replay, const Truth& truth, std::size_t index,
-               const Eigen::Isometry3d& T_first_body) {
-  const ReplayedPair& pair = replay.pairs[index];
-  const std::size_t previous = pair.valid && index > 0 ? startPairOf(replay, index) : index;
-  if (previous != index && truth[index] && truth[previous]) {
-    const vo::Vector6d measured = motionColumns(pair.velocity, pair.angular_velocity);
-    add(row, measured - trueMotion(*truth[previous], *truth[index], pair.time_step));
-  } else {
-    addEmpty(row, 6);
-  }
-  if (truth[index]) {
-    add(row, (T_first_body.translation() - truth[index]->translation()).norm());
-  } else {
-    addEmpty(row, 1);
-  }
-}
-
 }  // namespace
 
-std::string motionCsv(const Replay& replay, const Truth* truth) {
+std::string motionCsv(const Replay& replay, const std::vector<std::string>& errors) {
   std::string csv = std::string("pair,time,valid,") + kMotionColumns +
                     ",x,y,z,roll,pitch,yaw,offset_ms,features,tracked,matched,inliers";
-  if (truth != nullptr) {
+  if (!errors.empty()) {
     csv += ",error_Vx,error_Vy,error_Vz,error_pitch_rate,error_yaw_rate,error_roll_rate,error_position";
   }
   csv += '\n';
@@ -112,8 +74,7 @@ std::string motionCsv(const Replay& replay, const Truth* truth) {
       row += ',';
       row += std::to_string(count);
     }
-    if (truth != nullptr) addErrors(row, replay, *truth, index, T_first_body);
-    csv += row + '\n';
+    csv += row + (errors.empty() ? "" : errors[index]) + '\n';
   }
   return csv;
 }

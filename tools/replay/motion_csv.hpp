@@ -1,9 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/replay/replay.hpp"
-#include "tools/replay/truth.hpp"
 
 namespace cartvo {
 
@@ -17,8 +17,9 @@ namespace cartvo {
 /// - offset_ms: right minus left exposure
 /// - features, tracked, matched, inliers: counts
 ///
-/// With `truth` (may be nullptr), where it is known: error_Vx ... error_roll_rate, estimate minus truth of
-/// the columns of that name, and error_position, distance between the estimated and the true position, m.
-std::string motionCsv(const Replay& replay, const Truth* truth);
+/// `errors`: empty, or for each pair the text of further columns, from TruthEvaluation: error_Vx ...
+/// error_roll_rate, estimate minus truth of the columns of that name, and error_position, distance between
+/// the estimated and the true position, m; each empty where the truth is unknown.
+std::string motionCsv(const Replay& replay, const std::vector<std::string>& errors = {});
 
 }  // namespace cartvo

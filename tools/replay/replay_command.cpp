@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core/utility.hpp>
 
@@ -18,16 +19,14 @@
 #include "common/command_line/parser.hpp"
 #include "common/http/listen_address.hpp"
 #include "common/printable_text.hpp"
+#include "common/units.hpp"
 #include "daemon/service/configuration.hpp"
 #include "daemon/service/configuration_names.hpp"
-#include "tools/cartvo/alert_limits_option.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/readout_option.hpp"
-#include "tools/evaluate/evaluation.hpp"
-#include "tools/evaluate/report.hpp"
 #include "tools/replay/live_publisher.hpp"
 #include "tools/replay/motion_csv.hpp"
 #include "tools/replay/odometry_csv.hpp"
@@ -35,8 +34,7 @@
 #include "tools/replay/replay.hpp"
 #include "tools/replay/replay_page.hpp"
 #include "tools/replay/summary.hpp"
-#include "tools/replay/truth.hpp"
-#include "tools/replay/truth_consistency.hpp"
+#include "tools/replay/truth_evaluation.hpp"
 #include "tools/replay/video/video_recorder.hpp"
 #include "tools/report/counted.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -71,23 +69,6 @@ ReplayReadouts replayReadouts(const std::string& text) {
         "--readout-ms",
         "expected BOTH or LEFT,RIGHT, each -200 to 200 ms or 'unknown', found '" + text + "'");
   return *readouts;
-}
-
-/// Associates the estimate with the truth where that is known, both for the body.
-AssociatedTrajectories associateWithTruth(const Replay& replay, const Truth& truth) {
-  const Eigen::Isometry3d& T_body_left = replay.rig.rig.T_body_camera;
-  AssociatedTrajectories associated;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (!truth[i]) {
-      ++associated.unmatched;
-      continue;
-    }
-    const ReplayedPair& pair = replay.pairs[i];
-    associated.truth.push_back({pair.exposure_ns, *truth[i]});
-    associated.estimate.push_back(
-        {pair.exposure_ns, T_body_left * pair.T_first_left * T_body_left.inverse()});
-  }
-  return associated;
 }
 
 /// `check`: called between pictures.
@@ -177,28 +158,28 @@ void printSummary(const Options& options, const Replay& replay, const nlohmann::
 
 void run(Options& options) {
   const OutputFolder output(options.output);
-  if (!options.truth.empty()) readTruthRows(options.truth);  // reports a bad file before the replay
+  if (!options.truth.empty()) checkTruth(options.truth);  // before the replay
   cv::setNumThreads(options.threads);
   std::optional<LivePublisher> publisher;
   if (options.publish) publisher.emplace(options.url, options.speed);
   const std::unique_ptr<ReplayPage> page = startPage(options);
   const Replay replay = replayWithProgress(options, publisher ? &*publisher : nullptr, page.get());
   if (page) page->finish();
-  std::optional<Truth> truth;
-  if (!options.truth.empty()) truth = readTruth(options.truth, replay);
 
   nlohmann::ordered_json summary = replaySummary(options.replay, replay);
   summary["threads"] = options.threads;
-  if (truth) {
-    summary["truth"] = options.truth.string();
-    summary["evaluation"] = evaluationJson(evaluate(associateWithTruth(replay, *truth)));
-    summary["consistency"] = consistencyJson(consistencyWithTruth(replay, *truth, options.truth));
-  }
   writeKitti(output / "poses.txt", leftCameraTrajectory(replay));
   writeTum(output / "trajectory.tum", bodyTrajectory(replay), bodyTrajectoryFrame(replay));
-  writeResultFile(output / "Motionestimation.csv", motionCsv(replay, truth ? &*truth : nullptr));
   writeResultFile(output / "odometry.csv", odometryCsv(replay));
   writeResultFile(output / "timing.csv", timingCsv(replay));
+  TruthEvaluation compared;
+  if (!options.truth.empty()) {
+    compared = evaluateWithTruth(replay, options.truth);
+    summary["truth"] = options.truth.string();
+    summary["evaluation"] = std::move(compared.evaluation);
+    summary["consistency"] = std::move(compared.consistency);
+  }
+  writeResultFile(output / "Motionestimation.csv", motionCsv(replay, compared.errors));
   writeResultFile(output / "summary.json", jsonText(summary));
 
   constexpr std::size_t kMaxWarningBytes = 4000;
@@ -210,7 +191,7 @@ void run(Options& options) {
     printJson(summary);
   } else {
     printSummary(options, replay, summary);
-    if (truth) std::fputs(evaluationTable(evaluate(associateWithTruth(replay, *truth))).c_str(), stdout);
+    std::fputs(compared.table.c_str(), stdout);
   }
   if (const std::string reason = nothingValidText(replay); !reason.empty())
     throw std::runtime_error(options.replay.source.string() + ": " + reason);
@@ -307,6 +288,22 @@ void addEstimationOptions(Command command, Options& options) {
                  "True poses: KITTI rows of the left camera, rows of TUM or EuRoC of the body, or a raw "
                  "recording of KITTI with its oxts; adds error columns")
       .typeName("FILE|DIR");
+}
+
+void addAlertLimitsOption(Command command, std::optional<pipeline::AlertLimits>& limits) {
+  command
+      .addListOption(
+          "--alert-limits",
+          [&limits](const std::vector<double>& values) {
+            limits = {values[0], kRadiansPerDegree * values[1], values[2], kRadiansPerDegree * values[3]};
+          },
+          "Largest bounds of valid pairs: of velocity (m/s), angular rate (deg/s), translation (m) and "
+          "rotation (deg) over the last second; without it those of the recording's configuration, else "
+          "cartvod's")
+      .delimiter(',')
+      .expected(4)
+      .range(1e-3, 1e6)
+      .typeName("V,RATE,MOTION,ROTATION");
 }
 
 /// Returns the option and the address that is given with it; without one the page is at kPagePort.

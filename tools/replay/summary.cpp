@@ -11,7 +11,7 @@
 #include "common/statistics.hpp"
 #include "common/units.hpp"
 #include "daemon/service/configuration_names.hpp"
-#include "tools/evaluate/evaluation.hpp"
+#include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
 namespace {
@@ -235,7 +235,7 @@ Json replaySummary(const ReplaySettings& settings, const Replay& replay) {
   json["problems"] = replay.problems;
   json["duration_s"] =
       1e-9 * static_cast<double>(replay.pairs.back().exposure_ns - replay.pairs.front().exposure_ns);
-  json["path_length_m"] = distancesAlong(leftCameraTrajectory(replay)).back();
+  json["path_length_m"] = pathLength(leftCameraTrajectory(replay));
   json["clock"] = clockJson(settings, replay);
   json["video_timing"] = timingJson(replay);
   json["readouts"] = readoutsJson(replay);

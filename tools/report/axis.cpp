@@ -17,13 +17,6 @@ double roundStep(double range, int parts) {
   return 10.0 * decade;
 }
 
-std::vector<double> multiplesOf(double step, double low, double high) {
-  std::vector<double> values;
-  for (auto i = std::llround(std::ceil(low / step)); static_cast<double>(i) * step <= high; ++i)
-    values.push_back(static_cast<double>(i) * step);
-  return values;
-}
-
 std::string tickLabel(double value, double step) {
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
   return fixed(std::abs(value) < 1e-9 ? 0.0 : value, decimals);

@@ -1,7 +1,6 @@
 // Draws lines, areas, circles and text with cairo into a picture.
 #include "tools/report/canvas.hpp"
 
-#include <array>
 #include <numbers>
 #include <stdexcept>
 
@@ -23,12 +22,10 @@ Canvas::Canvas(int width, int height, int scale, int letter_size)
   cairo_set_font_size(context_.get(), letter_size);
 }
 
-void Canvas::line(const std::vector<cv::Point2d>& points, DrawingColour colour, double width, double opacity,
-                  LinePattern pattern) {
-  constexpr std::array kDashes{kDash, kDashGap};
+void Canvas::line(const std::vector<cv::Point2d>& points, DrawingColour colour, double width,
+                  double opacity) {
   choose(colour, opacity);
   cairo_set_line_width(context_.get(), width);
-  cairo_set_dash(context_.get(), kDashes.data(), pattern == LinePattern::dashed ? kDashes.size() : 0, 0.0);
   trace(points);
   cairo_stroke(context_.get());
 }
@@ -45,7 +42,6 @@ void Canvas::circle(const cv::Point2d& centre, double radius, DrawingColour colo
   cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * std::numbers::pi);
   if (line_width <= 0.0) return cairo_fill(context_.get());
   cairo_set_line_width(context_.get(), line_width);
-  cairo_set_dash(context_.get(), nullptr, 0, 0.0);
   cairo_stroke(context_.get());
 }
 

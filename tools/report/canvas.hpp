@@ -21,8 +21,7 @@ class Canvas {
   /// A copy of `background` (CV_8UC3, BGR) at first.
   Canvas(const cv::Mat& background, int letter_size);
 
-  void line(const std::vector<cv::Point2d>& points, DrawingColour colour, double width, double opacity,
-            LinePattern pattern);
+  void line(const std::vector<cv::Point2d>& points, DrawingColour colour, double width, double opacity);
   void area(const std::vector<cv::Point2d>& points, DrawingColour colour, double opacity);
   /// `line_width` 0: filled.
   void circle(const cv::Point2d& centre, double radius, DrawingColour colour, double line_width);
@@ -40,8 +39,5 @@ class Canvas {
   std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface_;
   std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context_;
 };
-
-/// Dashes and gaps of a dashed line, px.
-inline constexpr double kDash = 6.0, kDashGap = 4.0;
 
 }  // namespace cartvo

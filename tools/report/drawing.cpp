@@ -1,7 +1,6 @@
-// Drawings of lines, areas, dots and text, written as SVG or PNG.
+// Drawings of lines and text, written as SVG or PNG.
 #include "tools/report/drawing.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <stdexcept>
@@ -26,12 +25,6 @@ std::string hex(DrawingColour colour) {
   return format("#%02x%02x%02x", colour.red, colour.green, colour.blue);
 }
 
-std::string nameOf(DrawingColour colour, const ColourNames& names) {
-  const auto named =
-      std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == colour; });
-  return named == names.end() ? hex(colour) : named->second;
-}
-
 /// The d of an SVG path.
 std::string pathData(const std::vector<cv::Point2d>& points) {
   std::string data;
@@ -50,108 +43,43 @@ Overloaded(Calls...) -> Overloaded<Calls...>;
 }  // namespace
 
 void Drawing::addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width, double opacity) {
-  elements_.emplace_back(Line{std::move(points), colour, width, opacity, LinePattern::solid});
-}
-
-void Drawing::addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width,
-                      LinePattern pattern) {
-  elements_.emplace_back(Line{std::move(points), colour, width, 1.0, pattern});
-}
-
-void Drawing::addArea(std::vector<cv::Point2d> points, DrawingColour colour, double opacity) {
-  elements_.emplace_back(Area{std::move(points), colour, opacity});
-}
-
-void Drawing::addCircle(cv::Point2d centre, double radius, DrawingColour colour, double line_width) {
-  elements_.emplace_back(Circle{centre, radius, colour, line_width});
+  elements_.emplace_back(Line{std::move(points), colour, width, opacity});
 }
 
 void Drawing::addText(cv::Point2d at, TextAnchor anchor, std::string letters, DrawingColour colour) {
   elements_.emplace_back(Text{at, anchor, std::move(letters), colour});
 }
 
-std::string Drawing::svgOf(const Line& line, const ColourNames& colours) {
+std::string Drawing::svgOf(const Line& line) {
   std::string svg = "<path d=\"" + pathData(line.points);
-  svg += format(R"(" fill="none" stroke="%s" stroke-width="%g")", nameOf(line.colour, colours).c_str(),
-                line.width);
+  svg += format(R"(" fill="none" stroke="%s" stroke-width="%g")", hex(line.colour).c_str(), line.width);
   if (line.opacity < 1.0) svg += format(R"( stroke-opacity="%g")", line.opacity);
-  if (line.pattern == LinePattern::dashed) svg += format(R"( stroke-dasharray="%g %g")", kDash, kDashGap);
   return svg + "/>\n";
 }
 
-std::string Drawing::svgOf(const Area& area, const ColourNames& colours) {
-  return "<path d=\"" + pathData(area.points) +
-         format(R"(Z" fill="%s" fill-opacity="%g")", nameOf(area.colour, colours).c_str(), area.opacity) +
-         "/>\n";
-}
-
-std::string Drawing::svgOf(const Circle& circle, const ColourNames& colours) {
-  std::string svg =
-      format(R"(<circle cx="%.1f" cy="%.1f" r="%g")", circle.centre.x, circle.centre.y, circle.radius);
-  const std::string colour = nameOf(circle.colour, colours);
-  svg += circle.line_width > 0.0
-             ? format(R"( fill="none" stroke="%s" stroke-width="%g")", colour.c_str(), circle.line_width)
-             : format(R"( fill="%s")", colour.c_str());
-  return svg + "/>\n";
-}
-
-std::string Drawing::svgOf(const Text& text, const ColourNames& colours) {
+std::string Drawing::svgOf(const Text& text) {
   constexpr std::array kAnchors{"start", "middle", "end"};
   std::string svg = format(R"(<text x="%.1f" y="%.1f" text-anchor="%s")", text.at.x, text.at.y,
                            kAnchors[static_cast<std::size_t>(text.anchor)]);
-  if (const std::string colour = nameOf(text.colour, colours); colour != hex({}))
+  if (const std::string colour = hex(text.colour); colour != hex({}))
     svg += format(R"( fill="%s")", colour.c_str());
   return svg + ">" + escaped(text.letters) + "</text>\n";
 }
 
-std::string Drawing::svgElements(const ColourNames& colours) const {
-  std::string svg;
-  for (const auto& element : elements_)
-    svg += std::visit([&](const auto& shape) { return svgOf(shape, colours); }, element);
-  return svg;
-}
-
-void Drawing::addBelow(const Drawing& other) {
-  const cv::Point2d shift(0.0, height_);
-  const auto shift_all = [&](std::vector<cv::Point2d>& points) {
-    for (cv::Point2d& point : points)
-      point += shift;
-  };
-  const Overloaded move{
-      [&](Line& line) { shift_all(line.points); }, [&](Area& area) { shift_all(area.points); },
-      [&](Circle& circle) { circle.centre += shift; }, [&](Text& text) { text.at += shift; }};
-  for (auto element : other.elements_) {
-    std::visit(move, element);
-    elements_.push_back(std::move(element));
-  }
-  width_ = std::max(width_, other.width_);
-  height_ += other.height_;
-}
-
 std::string Drawing::svg() const {
-  return format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
-             "font-size=\"%d\">\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n",
-             width_, height_, letter_size_, width_, height_) +
-         svgElements({}) + "</svg>\n";
-}
-
-std::string Drawing::svgElement(const std::string& title, const ColourNames& colours) const {
-  return format("<svg viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"%d\" role=\"img\">\n",
-                width_, height_, letter_size_) +
-         "<title>" + escaped(title) + "</title>\n" + svgElements(colours) + "</svg>\n";
+  std::string svg = format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
+      "font-size=\"%d\">\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n",
+      width_, height_, letter_size_, width_, height_);
+  for (const auto& element : elements_)
+    svg += std::visit([](const auto& shape) { return svgOf(shape); }, element);
+  return svg + "</svg>\n";
 }
 
 cv::Mat Drawing::picture(int scale) const {
   Canvas canvas(width_, height_, scale, letter_size_);
   const Overloaded draw{
-      [&](const Line& line) {
-        canvas.line(line.points, line.colour, line.width, line.opacity, line.pattern);
-      },
-      [&](const Area& area) { canvas.area(area.points, area.colour, area.opacity); },
-      [&](const Circle& circle) {
-        canvas.circle(circle.centre, circle.radius, circle.colour, circle.line_width);
-      },
+      [&](const Line& line) { canvas.line(line.points, line.colour, line.width, line.opacity); },
       [&](const Text& text) { canvas.text(text.at, text.anchor, text.letters, text.colour); }};
   for (const auto& element : elements_)
     std::visit(draw, element);

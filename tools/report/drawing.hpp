@@ -3,28 +3,19 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
-// Drawings of lines, areas, dots and text, written as SVG or PNG.
+// Drawings of lines and text, written as SVG or PNG.
 
 namespace cartvo {
 
 /// Colour, 8 bits a channel.
 struct DrawingColour {
   std::uint8_t red = 0, green = 0, blue = 0;
-
-  friend bool operator==(const DrawingColour&, const DrawingColour&) = default;
 };
-
-/// How a line is drawn.
-enum class LinePattern : std::uint8_t { solid, dashed };
-
-/// Names of colours in an HTML page, such as "var(--ink)", for colours that depend on the page's scheme.
-using ColourNames = std::vector<std::pair<DrawingColour, std::string>>;
 
 /// Position of a text's reference point.
 enum class TextAnchor : std::uint8_t { start, middle, end };
@@ -39,21 +30,10 @@ class Drawing {
 
   /// Line through all points.
   void addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width, double opacity = 1.0);
-  void addLine(std::vector<cv::Point2d> points, DrawingColour colour, double width, LinePattern pattern);
-  /// Filled polygon without an outline.
-  void addArea(std::vector<cv::Point2d> points, DrawingColour colour, double opacity);
-  /// Circle; `line_width` 0: filled.
-  void addCircle(cv::Point2d centre, double radius, DrawingColour colour, double line_width);
   /// Text with its baseline at `at`.
   void addText(cv::Point2d at, TextAnchor anchor, std::string letters, DrawingColour colour = {});
 
-  /// Enlarges this drawing by another one below it.
-  void addBelow(const Drawing& other);
-
   std::string svg() const;
-  /// SVG element for an HTML page: without a background, with `title` for screen readers, and with the page's
-  /// colours where they have a name.
-  std::string svgElement(const std::string& title, const ColourNames& colours) const;
   /// Picture (CV_8UC3, BGR).
   cv::Mat picture() const { return picture(1); }
   /// Picture of `scale` times the drawing's size.
@@ -64,18 +44,6 @@ class Drawing {
     std::vector<cv::Point2d> points;
     DrawingColour colour;
     double width, opacity;
-    LinePattern pattern;
-  };
-  struct Area {
-    std::vector<cv::Point2d> points;
-    DrawingColour colour;
-    double opacity;
-  };
-  struct Circle {
-    cv::Point2d centre;
-    double radius;
-    DrawingColour colour;
-    double line_width;
   };
   struct Text {
     cv::Point2d at;
@@ -84,14 +52,11 @@ class Drawing {
     DrawingColour colour;
   };
 
-  static std::string svgOf(const Line& line, const ColourNames& colours);
-  static std::string svgOf(const Area& area, const ColourNames& colours);
-  static std::string svgOf(const Circle& circle, const ColourNames& colours);
-  static std::string svgOf(const Text& text, const ColourNames& colours);
-  std::string svgElements(const ColourNames& colours) const;
+  static std::string svgOf(const Line& line);
+  static std::string svgOf(const Text& text);
 
   int width_, height_, letter_size_;
-  std::vector<std::variant<Line, Area, Circle, Text>> elements_;
+  std::vector<std::variant<Line, Text>> elements_;
 };
 
 /// Throws std::invalid_argument unless the file is named .svg or .png. For use before long work.

@@ -50,25 +50,4 @@ std::vector<Points> visibleParts(const Points& pixels) {
   return parts;
 }
 
-std::vector<Points> visibleAreas(const Points& low, const Points& high) {
-  std::vector<Points> areas;
-  const auto is_finite = [&](std::size_t i) { return isFinite(low[i]) && isFinite(high[i]); };
-  for (std::size_t i = 0; i < low.size(); ++i) {
-    if (!is_finite(i)) continue;
-    Points lower, upper;
-    for (; i < low.size() && is_finite(i); ++i) {
-      if (!lower.empty() && columnOf(lower.back()) == columnOf(low[i])) {
-        lower.back().y = std::max(lower.back().y, low[i].y);  // px grow downwards
-        upper.back().y = std::min(upper.back().y, high[i].y);
-      } else {
-        lower.push_back(low[i]);
-        upper.push_back(high[i]);
-      }
-    }
-    lower.insert(lower.end(), upper.rbegin(), upper.rend());
-    areas.push_back(std::move(lower));
-  }
-  return areas;
-}
-
 }  // namespace cartvo

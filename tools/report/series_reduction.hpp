@@ -10,9 +10,4 @@ namespace cartvo {
 /// follow each other, the first, lowest, highest and last remain.
 std::vector<std::vector<cv::Point2d>> visibleParts(const std::vector<cv::Point2d>& pixels);
 
-/// Outlines of the area between two curves with the same x, px: one for each part in which both are finite.
-/// Of points within the same half px of x one pair remains, with the widest extent.
-std::vector<std::vector<cv::Point2d>> visibleAreas(const std::vector<cv::Point2d>& low,
-                                                   const std::vector<cv::Point2d>& high);
-
 }  // namespace cartvo

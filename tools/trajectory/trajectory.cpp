@@ -270,6 +270,13 @@ bool isKittiTrajectory(const std::filesystem::path& file) {
   return readRows(file).format == Format::kitti;
 }
 
+double pathLength(const Trajectory& trajectory) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    length += (trajectory[i].pose.translation() - trajectory[i - 1].pose.translation()).norm();
+  return length;
+}
+
 void writeTum(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFrame frame) {
   std::string text =
       (frame == TrajectoryFrame::unknown ? "# " : frameText(frame) + ": ") + "seconds x y z qx qy qz qw\n";

@@ -44,6 +44,9 @@ Trajectory readTrajectory(const std::filesystem::path& file);
 /// True if the file is in KITTI format, which has no times.
 bool isKittiTrajectory(const std::filesystem::path& file);
 
+/// Length of the path, m; 0 for less than two poses.
+double pathLength(const Trajectory& trajectory);
+
 /// Writes TUM format: seconds with nine decimals, then x y z qx qy qz qw. The first line, a comment, states
 /// the frame if it is known.
 void writeTum(const std::filesystem::path& file, const Trajectory& trajectory,

@@ -134,7 +134,7 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   const test::TemporaryFolder folder;
   recordFaultyDrive(folder / "drive");
   const Replay first = replayRecording(folder / "drive");
-  const std::string motions = motionCsv(first, nullptr);
+  const std::string motions = motionCsv(first);
 
   EXPECT_FALSE(first.problems.empty()) << "the files are damaged";
   const auto second_of = [&](const ReplayedPair& pair) {
@@ -170,7 +170,7 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
   const int replays = replayCount();
   test::Resources settled = test::resourcesInUse();
   for (int i = 1; i < replays; ++i) {
-    ASSERT_EQ(motionCsv(replayRecording(folder / "drive"), nullptr), motions) << "replay " << i;
+    ASSERT_EQ(motionCsv(replayRecording(folder / "drive")), motions) << "replay " << i;
     if (i == 5) settled = test::resourcesInUse();
   }
   const test::Resources after = test::resourcesInUse();

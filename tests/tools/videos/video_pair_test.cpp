@@ -16,8 +16,7 @@
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
-#include "tools/evaluate/association.hpp"
-#include "tools/evaluate/evaluation.hpp"
+#include "support/tools/drift.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace cartvo {
@@ -159,7 +158,7 @@ TEST(VideoPair, ReplayGivesTheTrueTrajectory) {
   EXPECT_EQ(replay.kind, capture::SourceKind::videos);
   Trajectory truth = readTrajectory(sequence / "poses.txt");
   truth.resize(kPairs);
-  EXPECT_LT(*evaluate(associateByRows(leftCameraTrajectory(replay), truth)).final_drift_fraction, 0.08);
+  EXPECT_LT(test::driftFraction(leftCameraTrajectory(replay), truth), 0.08);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "tools/calibrate/plan/calibrate_plan.hpp"
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -15,7 +16,6 @@
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
 #include "tools/cartvo/json_text.hpp"
-#include "tools/cartvo/plot_option.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "vo_core/odometry_settings.hpp"
 
@@ -141,7 +141,18 @@ void addReportOptions(Command command, Options& options) {
                             .captureDefault();
   command.addFlag("--json", options.json, "Report as JSON, with all numbers").excludes(format);
   command.addOption("--output", options.output, "Write the report into this file").typeName("FILE");
-  addPlotOption(command, options.plot, "error and overlap over the range");
+  const auto check_name = [](const std::string& name) -> std::string {
+    try {
+      checkDrawingName(name);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return {};
+  };
+  command
+      .addOption("--plot", options.plot, "Draw error and overlap over the range into this .svg or .png file")
+      .check(check_name)
+      .typeName("FILE");
 }
 
 }  // namespace

@@ -68,8 +68,8 @@ void drawLandmarks(Canvas& canvas, const vo::LandmarkViews& landmarks, int scale
     const cv::Point2d at = pixel(landmark.left_x, landmark.left_y);
     if (!std::isnan(landmark.previous_x)) {
       const cv::Point2d before = pixel(landmark.previous_x, landmark.previous_y);
-      canvas.line({before, at}, kBlack, 3.5, 0.6, LinePattern::solid);
-      canvas.line({before, at}, colour, 1.7, 1.0, LinePattern::solid);
+      canvas.line({before, at}, kBlack, 3.5, 0.6);
+      canvas.line({before, at}, colour, 1.7, 1.0);
     }
     canvas.circle(at, kRadius + 1.0, kBlack, 0.0);
     canvas.circle(at, kRadius, colour, 0.0);
@@ -113,12 +113,12 @@ void drawPath(Canvas& canvas, const std::vector<cv::Point2d>& path, double right
   for (const cv::Point2d& point : path)
     placed.push_back(place(point));
   for (const std::vector<cv::Point2d>& part : visibleParts(placed))
-    canvas.line(part, kPath, 2.5, 1.0, LinePattern::solid);
+    canvas.line(part, kPath, 2.5, 1.0);
   canvas.circle(placed.front(), 4.0, kWhite, 1.5);
   canvas.circle(placed.back(), 5.0, kPath, 0.0);
   const double length = roundStep(extent, 3);
   const cv::Point2d from(box.x + kMargin, box.br().y - 10.0);
-  canvas.line({from, from + cv::Point2d(length * pixels, 0.0)}, kWhite, 2.5, 1.0, LinePattern::solid);
+  canvas.line({from, from + cv::Point2d(length * pixels, 0.0)}, kWhite, 2.5, 1.0);
   canvas.text(from + cv::Point2d(length * pixels + 8.0, 5.0), TextAnchor::start,
               tickLabel(length, length) + " m", kWhite);
 }

@@ -1,0 +1,1 @@
+"""`cartvo evaluate`: compares trajectories and messages of cartvod with the truth."""

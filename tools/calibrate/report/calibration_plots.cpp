@@ -44,7 +44,8 @@ std::string grid(double left, double right, double base, double largest, const c
                  const std::function<double(double)>& height) {
   const double step = roundStep(largest, 5);
   std::string lines;
-  for (const double value : multiplesOf(step, 0.0, largest)) {
+  for (int i = 0; i * step <= largest; ++i) {
+    const double value = i * step;
     const double y = base - height(value);
     lines += line(left, y, right, y, value == 0.0 ? "#888" : "#ddd") +
              text(2, y + 4.0, tickLabel(value, step) + " " + unit);

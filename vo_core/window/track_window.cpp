@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "vo_core/geometry/reprojection.hpp"
 #include "vo_core/geometry/rig_correction.hpp"
@@ -89,17 +90,15 @@ bool TrackWindow::follows(const std::vector<WindowFrame>& window) const {
 /// A window of all pairs but the newest, whose oldest pose has the covariance that it was published with.
 /// After a standstill, of its last pair.
 void TrackWindow::restart(const TrackWindowInput& input, State& state) {
-  const WindowNoises noise = state.problem.noise;
-  const WindowJerk jerk = state.problem.jerk;
-  const WindowJerkSums jerk_sums = state.jerk_sums;
-  state = {};
+  const State before = std::exchange(state, {});
   WindowProblem& problem = state.problem;
-  problem.noise = noise;
-  problem.jerk = jerk;
-  state.jerk_sums = jerk_sums;
-  if (!(jerk_sums.freedom[0] > 0.0)) {
+  if (before.jerk_sums.freedom[0] > 0.0 && !input.rest) {
+    problem.noise = before.problem.noise;
+    problem.jerk = before.problem.jerk;
+    state.jerk_sums = before.jerk_sums;
+  } else {  // images at rest tell nothing of a drive
     state.jerk_sums.freedom.setConstant(kJerkFreedom);
-    state.jerk_sums.squares << jerk.translation * jerk.translation, jerk.rotation * jerk.rotation;
+    state.jerk_sums.squares << std::pow(problem.jerk.translation, 2), std::pow(problem.jerk.rotation, 2);
     state.jerk_sums.squares *= kJerkFreedom;
   }
   problem.camera = input.camera;

@@ -8,7 +8,7 @@ struct SelfCalibrationSettings {
   double calibration_stddev = 3e-3;  ///< error of a rotation after a calibration, and by a bump
   double skew_stddev = 1e-2;         ///< row pattern x y of the lenses: KITTI's rectified images have 9e-3
   double delay_stddev = 1e-2;        ///< s, of timestamps
-  double readout_stddev = 4.8e-3;    ///< s, of a stated readout: 15 % of that of usual sensors
+  double readout_stddev = 5e-4;      ///< s, of a stated readout, as a lamp shows it
 
   // Process noise: standard deviation after 1 s; it grows with the square root of time.
   double rotation_drift = 2e-6;  ///< also of lens coefficients

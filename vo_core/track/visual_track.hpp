@@ -105,6 +105,8 @@ class VisualTrack {
     ReadoutEstimates readouts;
     StillRegions still_regions;
     PredictionErrors prediction_errors;
+    std::optional<WindowTwist> twist;               ///< at the last exposure, as it was estimated then
+    ResidualVariance velocity_errors, rate_errors;  ///< of such twists, as the next pair shows them
   };
 
   /// Landmarks, window and estimates with the current pair, before it is accepted.
@@ -155,6 +157,8 @@ class VisualTrack {
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
   bool restartAfterBump(Draft& draft);
+  void updateTwistErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
+  Matrix6d twistCovariance(const TrackWindow::Adjusted& adjusted, const Estimates& estimates) const;
   void updateLandmarks(Draft& draft);
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;

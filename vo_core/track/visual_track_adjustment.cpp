@@ -1,6 +1,7 @@
 // Adjustment of a track's window: what it is told, what follows from it, validation.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
@@ -88,7 +89,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.by_window = adjusted->motion_covariance;
   motion.codec_inflation = pair.pose_noise_inflation;
   motion.noise_is_uncalibrated = static_cast<int>(draft.window.size()) <= settings_.window.pairs;
-  motion.twist = ExposureTwist{adjusted->twist.value, pair.pose_noise_inflation * adjusted->twist.covariance};
+  motion.twist = ExposureTwist{adjusted->twist.value,
+                               pair.pose_noise_inflation * twistCovariance(*adjusted, draft.estimates)};
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
@@ -139,6 +141,7 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   updateLandmarks(draft);
   Estimates& estimates = draft.estimates;
   estimates.prediction_errors.update(draft.predictions, draft.window.back().motion);
+  updateTwistErrors(adjusted, estimates);
   const SelfCalibrationSettings& settings = settings_.self_calibration;
   const auto readout_of = [&](SharedState state) {
     EstimateWithStddev readout = adjusted.estimate(state);
@@ -152,6 +155,35 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   if (const double known = prior.stddev[kOffset]; known == kKnownStddev)
     delay = withWiderPrior(delay, 0.0, known, settings.delay_stddev);
   estimates.rig.set({adjusted.estimate(kPitch), adjusted.estimate(kYaw), adjusted.estimate(kRoll), delay});
+}
+
+/// Compares the last twist with what it is now that a later pair is known. A vibration near half the frame
+/// rate is not the white jerk of the trajectory: twists beyond their deviations then follow each other.
+void VisualTrack::updateTwistErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const {
+  constexpr double kLeastShare = 0.25;  // of the variance that a later pair removes
+  const auto before = std::exchange(estimates.twist, adjusted.twist);
+  if (!before || standing_) return;
+  const Vector6d removed = (before->covariance - adjusted.twist_before.covariance)
+                               .diagonal()
+                               .cwiseMax(kLeastShare * before->covariance.diagonal());
+  const Vector6d squares = (before->value - adjusted.twist_before.value).cwiseAbs2().cwiseQuotient(removed);
+  const double memory = settings_.self_calibration.correlated_pairs;
+  estimates.velocity_errors.fade(memory);
+  estimates.velocity_errors.add(squares.head<3>().mean());
+  estimates.rate_errors.fade(memory);
+  estimates.rate_errors.add(squares.tail<3>().mean());
+}
+
+/// Covariance of the newest twist, inflated as far as earlier ones have been wrong.
+Matrix6d VisualTrack::twistCovariance(const TrackWindow::Adjusted& adjusted,
+                                      const Estimates& estimates) const {
+  const double memory = settings_.self_calibration.correlated_pairs;
+  const auto factor_of = [&](const ResidualVariance& errors) {
+    return std::sqrt(std::max(1.0, 1.0 / errors.weight(memory)));
+  };
+  Vector6d factors = Vector6d::Constant(factor_of(estimates.velocity_errors));
+  factors.tail<3>().setConstant(factor_of(estimates.rate_errors));
+  return factors.asDiagonal() * adjusted.twist.covariance * factors.asDiagonal();
 }
 
 /// Updates the landmarks' depths, and their weights from their residuals; removes those with little weight.

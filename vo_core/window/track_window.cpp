@@ -188,6 +188,7 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
   adjusted.motion_covariance =
       motionBetween(problem, result, problem.pairs[last - 1].time, problem.pairs[last].time).covariance;
   adjusted.twist = twistAt(problem, result, problem.pairs[last].time);
+  adjusted.twist_before = twistAt(problem, result, problem.pairs[last - 1].time);
   adjusted.shared = problem.shared;
   adjusted.shared_stddev =
       result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();

@@ -54,6 +54,7 @@ class TrackWindow {
     Pairs pairs;
     Matrix6d motion_covariance;  ///< of the motion to the newest pair; perturbation on the right
     WindowTwist twist;           ///< at the newest exposure
+    WindowTwist twist_before;    ///< at the exposure before
     SharedVector shared, shared_stddev;
     EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }
   };

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 SKIPPED = 77
-METHODS = 3
+METHODS = 2
 ESTIMATES = 5 * METHODS  # the first pair of each has no motion
 BOUND = 1e-9    # m, rad and their products; the last bits of the sines cause some 1e-14
 PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"}

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/odometry_settings.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -29,9 +30,9 @@ class StandstillDetector {
            Eigen::AngleAxisd(motion.linear()).angle() > factor * settings_.rotation;
   }
 
-  /// Covariance of a motion during a standstill, of which the limits are so many standard deviations.
+  /// Covariance of a motion during a standstill, whose bounds are the limits.
   Matrix6d motionCovariance() const {
-    return 3.0 / (settings_.motion_significance * settings_.motion_significance) * covariance();
+    return 3.0 / (protection::kBoundFactor * protection::kBoundFactor) * covariance();
   }
 
   /// Covariance of the true pose at a standstill: uniform within the limits.

@@ -71,6 +71,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
                  PredictionErrors(settings.self_calibration.correlated_pairs),
                  {},
                  {},
+                 {},
                  {}},
       stereo_share_(learnt.stereo_share),
       last_exposure_ns_(first.left_exposure_ns),

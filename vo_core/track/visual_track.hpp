@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -58,6 +59,9 @@ struct TrackedMotion {
   Matrix6d covariance() const { return codec_inflation * by_window + by_standstill + by_codec_shift; }
 };
 
+/// Squares of changes of estimates over their variances, by component.
+using AxisErrors = std::array<ResidualVariance, 6>;
+
 /// Estimates about the cameras that one track hands to the next.
 struct LearntByTracks {
   RigCalibration rig;
@@ -105,8 +109,10 @@ class VisualTrack {
     ReadoutEstimates readouts;
     StillRegions still_regions;
     PredictionErrors prediction_errors;
-    std::optional<WindowTwist> twist;               ///< at the last exposure, as it was estimated then
-    ResidualVariance velocity_errors, rate_errors;  ///< of such twists, as the next pair shows them
+    // The last ones as they were estimated then, and errors of such ones as the next pair shows them.
+    std::optional<WindowMotion> motion;
+    std::optional<WindowTwist> twist;
+    AxisErrors motion_errors, twist_errors;
   };
 
   /// Landmarks, window and estimates with the current pair, before it is accepted.
@@ -157,8 +163,7 @@ class VisualTrack {
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
   bool restartAfterBump(Draft& draft);
-  void updateTwistErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
-  Matrix6d twistCovariance(const TrackWindow::Adjusted& adjusted, const Estimates& estimates) const;
+  void updateErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
   void updateLandmarks(Draft& draft);
   bool lacksStereo(TrackedMotion& motion);
   bool stopsTooFast(const PreparedPair& pair, TrackedMotion& motion) const;

@@ -23,6 +23,27 @@ EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, 
   return {mean + information * (found.value - mean) / by_images, 1.0 / std::sqrt(by_images)};
 }
 
+/// The covariance, inflated along each axis as far as earlier estimates were wrong. A vibration near half the
+/// frame rate is not the white jerk of the trajectory: errors beyond their deviations then follow each other.
+Matrix6d inflated(const Matrix6d& covariance, const AxisErrors& errors, double memory) {
+  Vector6d widths;
+  for (int axis = 0; axis < 6; ++axis)
+    widths[axis] = std::sqrt(std::max(1.0, 1.0 / errors[static_cast<std::size_t>(axis)].weight(memory)));
+  return widths.asDiagonal() * covariance * widths.asDiagonal();
+}
+
+/// Adds the change of an estimate that a later pair has made, and removed variance by.
+void addChange(const Vector6d& change, const Matrix6d& before, const Matrix6d& now, double memory,
+               AxisErrors& errors) {
+  constexpr double kLeastShare = 0.25;  // of the variance that a later pair removes
+  const Vector6d removed = (before - now).diagonal().cwiseMax(kLeastShare * before.diagonal());
+  for (int axis = 0; axis < 6; ++axis) {
+    ResidualVariance& error = errors[static_cast<std::size_t>(axis)];
+    error.fade(memory);
+    error.add(change[axis] * change[axis] / removed[axis]);
+  }
+}
+
 }  // namespace
 
 /// Knowledge of the cameras before a window: readouts and rig as estimated so far.
@@ -86,11 +107,14 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.T_world_camera = newest.T_world_camera;
   motion.T_previous_current =
       draft.window[draft.window.size() - 2].T_world_camera.inverse() * motion.T_world_camera;
-  motion.by_window = adjusted->motion_covariance;
+  const double memory = settings_.self_calibration.correlated_pairs;
+  const Estimates& estimates = draft.estimates;
+  motion.by_window = inflated(adjusted->motion.covariance, estimates.motion_errors, memory);
   motion.codec_inflation = pair.pose_noise_inflation;
   motion.noise_is_uncalibrated = static_cast<int>(draft.window.size()) <= settings_.window.pairs;
-  motion.twist = ExposureTwist{adjusted->twist.value,
-                               pair.pose_noise_inflation * twistCovariance(*adjusted, draft.estimates)};
+  motion.twist = ExposureTwist{
+      adjusted->twist.value,
+      pair.pose_noise_inflation * inflated(adjusted->twist.covariance, estimates.twist_errors, memory)};
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
@@ -141,7 +165,7 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   updateLandmarks(draft);
   Estimates& estimates = draft.estimates;
   estimates.prediction_errors.update(draft.predictions, draft.window.back().motion);
-  updateTwistErrors(adjusted, estimates);
+  updateErrors(adjusted, estimates);
   const SelfCalibrationSettings& settings = settings_.self_calibration;
   const auto readout_of = [&](SharedState state) {
     EstimateWithStddev readout = adjusted.estimate(state);
@@ -157,33 +181,18 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   estimates.rig.set({adjusted.estimate(kPitch), adjusted.estimate(kYaw), adjusted.estimate(kRoll), delay});
 }
 
-/// Compares the last twist with what it is now that a later pair is known. A vibration near half the frame
-/// rate is not the white jerk of the trajectory: twists beyond their deviations then follow each other.
-void VisualTrack::updateTwistErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const {
-  constexpr double kLeastShare = 0.25;  // of the variance that a later pair removes
-  const auto before = std::exchange(estimates.twist, adjusted.twist);
-  if (!before || standing_) return;
-  const Vector6d removed = (before->covariance - adjusted.twist_before.covariance)
-                               .diagonal()
-                               .cwiseMax(kLeastShare * before->covariance.diagonal());
-  const Vector6d squares = (before->value - adjusted.twist_before.value).cwiseAbs2().cwiseQuotient(removed);
+/// Compares the last motion and twist with what they are now that a later pair is known.
+void VisualTrack::updateErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const {
   const double memory = settings_.self_calibration.correlated_pairs;
-  estimates.velocity_errors.fade(memory);
-  estimates.velocity_errors.add(squares.head<3>().mean());
-  estimates.rate_errors.fade(memory);
-  estimates.rate_errors.add(squares.tail<3>().mean());
-}
-
-/// Covariance of the newest twist, inflated as far as earlier ones have been wrong.
-Matrix6d VisualTrack::twistCovariance(const TrackWindow::Adjusted& adjusted,
-                                      const Estimates& estimates) const {
-  const double memory = settings_.self_calibration.correlated_pairs;
-  const auto factor_of = [&](const ResidualVariance& errors) {
-    return std::sqrt(std::max(1.0, 1.0 / errors.weight(memory)));
-  };
-  Vector6d factors = Vector6d::Constant(factor_of(estimates.velocity_errors));
-  factors.tail<3>().setConstant(factor_of(estimates.rate_errors));
-  return factors.asDiagonal() * adjusted.twist.covariance * factors.asDiagonal();
+  const auto twist = std::exchange(estimates.twist, adjusted.twist);
+  const auto motion = std::exchange(estimates.motion, adjusted.motion);
+  if (!twist || standing_ || !adjusted.motion_before) return;
+  const WindowTwist& twist_now = adjusted.twist_before;
+  addChange(twist->value - twist_now.value, twist->covariance, twist_now.covariance, memory,
+            estimates.twist_errors);
+  const WindowMotion& motion_now = *adjusted.motion_before;
+  addChange(vectorFromMotion(motion->value.inverse() * motion_now.value), motion->covariance,
+            motion_now.covariance, memory, estimates.motion_errors);
 }
 
 /// Updates the landmarks' depths, and their weights from their residuals; removes those with little weight.

@@ -185,8 +185,11 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
     adjusted.pairs.push_back(pairOf(pair));
     adjusted.pairs.back().pose_covariance = poseAt(problem, result, pair.time).covariance;
   }
-  adjusted.motion_covariance =
-      motionBetween(problem, result, problem.pairs[last - 1].time, problem.pairs[last].time).covariance;
+  const auto motion_to = [&](std::size_t pair) {
+    return motionBetween(problem, result, problem.pairs[pair - 1].time, problem.pairs[pair].time);
+  };
+  adjusted.motion = motion_to(last);
+  if (last > 1) adjusted.motion_before = motion_to(last - 1);
   adjusted.twist = twistAt(problem, result, problem.pairs[last].time);
   adjusted.twist_before = twistAt(problem, result, problem.pairs[last - 1].time);
   adjusted.shared = problem.shared;

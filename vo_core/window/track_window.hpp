@@ -52,9 +52,10 @@ class TrackWindow {
   using Pairs = FixedVector<Pair, kMaximumWindowPairs>;  ///< those of the window, the newest last
   struct Adjusted {
     Pairs pairs;
-    Matrix6d motion_covariance;  ///< of the motion to the newest pair; perturbation on the right
-    WindowTwist twist;           ///< at the newest exposure
-    WindowTwist twist_before;    ///< at the exposure before
+    WindowMotion motion;                        ///< to the newest pair
+    std::optional<WindowMotion> motion_before;  ///< to the pair before it
+    WindowTwist twist;                          ///< at the newest exposure
+    WindowTwist twist_before;                   ///< at the exposure before
     SharedVector shared, shared_stddev;
     EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }
   };

@@ -227,7 +227,7 @@ Errors drivenWith(const Drive& drive) {
     ++errors.pairs;
     errors.motion += error.head<3>().squaredNorm();
     errors.turn += error.tail<3>().squaredNorm();
-    errors.motion_nees += error.dot(adjusted->motion_covariance.ldlt().solve(error)) / 6.0;
+    errors.motion_nees += error.dot(adjusted->motion.covariance.ldlt().solve(error)) / 6.0;
     errors.twist_nees += twist_error.dot(adjusted->twist.covariance.ldlt().solve(twist_error)) / 6.0;
     errors.readout = adjusted->shared[kLeftReadout] - drive.readout;
     errors.readout_stddev = adjusted->shared_stddev[kLeftReadout];
@@ -308,7 +308,7 @@ TEST(TrackWindow, StatesNothingWithoutLandmarks) {
   TrackWindow window;
   const auto adjusted = window.adjust({kCamera, world.timing(), prior, still, {}, frames, {}, 10.0});
   // By the prior alone: the cart may have moved by its speed.
-  EXPECT_TRUE(!adjusted || adjusted->motion_covariance(2, 2) > 0.1);
+  EXPECT_TRUE(!adjusted || adjusted->motion.covariance(2, 2) > 0.1);
 }
 
 }  // namespace

@@ -163,8 +163,8 @@ TEST(ReplayedFaults, GiveSameResultEachTimeWithoutGrowth) {
     EXPECT_TRUE((errors.array() <= pair.level.velocity.array()).all())
         << pair.exposure_ns << ": " << errors.transpose() << " above " << pair.level.velocity.transpose();
     const double second = second_of(pair);
-    const bool is_behind_frozen = second > 35.0 && second < 38.0;
-    EXPECT_LT(pair.velocity.norm(), is_behind_frozen ? 1.3 : 0.8) << pair.exposure_ns;
+    const bool is_vague = second < 2.0 || (second > 35.0 && second < 38.0);  // the first ones, and behind it
+    EXPECT_LT(pair.velocity.norm(), is_vague ? 1.3 : 0.8) << pair.exposure_ns;
   }
 
   const int replays = replayCount();

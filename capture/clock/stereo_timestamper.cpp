@@ -241,7 +241,7 @@ std::string StereoTimestamper::problem() const {
     if (const std::string fault = sides_[i].clock.timeBaseProblem(); !fault.empty())
       return nameOf(i) + "'s RTP time " + fault;
   for (std::size_t i = 0; choice_ == ClockChoice::ntp && i < sides_.size(); ++i)
-    if (const std::string missing = missingReports(i); !missing.empty()) return missing;
+    if (std::string missing = missingReports(i); !missing.empty()) return missing;
   const bool reports_matter = choice_ == ClockChoice::automatic || choice_ == ClockChoice::ntp;
   const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;
   if (!reports_matter || !reports_ || reports_agree_ || std::abs(difference) < kReportedDisagreement_ns)

@@ -2,18 +2,22 @@
 #include "vo_core/window/window_sums.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace cartvo::vo {
 namespace {
 
 /// Four doubles anywhere in memory.
-using FreeLanes = double __attribute__((vector_size(8 * kDoubleLanes), aligned(8), may_alias));
-
-FreeLanes& lanesAt(double* values) {
-  return *reinterpret_cast<FreeLanes*>(values);
+inline DoubleLanes lanesAt(const double* values) {
+  DoubleLanes lanes;
+  std::memcpy(&lanes, values, sizeof lanes);
+  return lanes;
 }
-const FreeLanes& lanesAt(const double* values) {
-  return *reinterpret_cast<const FreeLanes*>(values);
+inline void setLanes(double* values, const DoubleLanes& lanes) {
+  std::memcpy(values, &lanes, sizeof lanes);
+}
+inline void addLanes(double* values, const DoubleLanes& lanes) {
+  setLanes(values, lanesAt(values) + lanes);
 }
 
 /// Adds a row of derivatives by a camera's pose (two groups of ObservationState) to those by its knots.
@@ -23,9 +27,9 @@ inline void addToKnots(const KnotMap& map, const double* states, double* knots) 
                                 __builtin_shufflevector(position, position, 2, 2, 2, 2)};
 #pragma GCC unroll 6
   for (int group = 0; group < kKnotGroups; ++group)
-    lanesAt(knots + kDoubleLanes * group) +=
-        (map.position[group] * tiles[group % 3] + map.turn[0][group] * states[4]) +
-        (map.turn[1][group] * states[5] + map.turn[2][group] * states[6]);
+    addLanes(knots + kDoubleLanes * group,
+             (map.position[group] * tiles[group % 3] + map.turn[0][group] * states[4]) +
+                 (map.turn[1][group] * states[5] + map.turn[2][group] * states[6]));
 }
 
 constexpr bool isGap(int state) {
@@ -60,7 +64,7 @@ inline void addShared(const double* states, double factor, double* shared) {
   shared[kLeftReadout] += factor * states[kRowLeftReadout];
 #pragma GCC unroll 2
   for (int i = 0; i < 2 * kDoubleLanes; i += kDoubleLanes)
-    lanesAt(shared + kRightReadout + i) += factor * lanesAt(states + kRowRightReadout + i);
+    addLanes(shared + kRightReadout + i, factor * lanesAt(states + kRowRightReadout + i));
 }
 
 CARTVO_TARGET_CLONES
@@ -77,7 +81,7 @@ void addObservation(const ObservationEquations& equations, const Eigen::Vector4d
     for (int at = 0; at < kObservationStates; at += kDoubleLanes) {
       DoubleLanes sum = factor(0) * lanesAt(row(0) + at) + factor(1) * lanesAt(row(1) + at);
       if (stereo) sum += factor(2) * lanesAt(row(2) + at) + factor(3) * lanesAt(row(3) + at);
-      lanesAt(states + at) = sum;
+      setLanes(states + at, sum);
     }
     addToKnots(band.left, states, rows + 6 * band.left.first);
     if (stereo) addToKnots(band.right, states + kRowRightPosition, rows + 6 * band.right.first);
@@ -113,7 +117,7 @@ void addBand(const BandSums& band, std::size_t stride, int shared, double* row, 
       const int to = 6 * map.first + i;
       double* const sum = sums_of(to);
       for (int column = to & ~1; column < end; column += kDoubleLanes)
-        lanesAt(sum + column) += factors[i] * lanesAt(row + column);
+        addLanes(sum + column, factors[i] * lanesAt(row + column));
       addShared(states, factors[i], sum + shared);
     }
   }
@@ -155,8 +159,8 @@ void subtractProducts(const double* rows, std::size_t count, std::size_t from, s
 #pragma GCC unroll 4
       for (int k = 0; k < kDoubleLanes; ++k) {
         double* const sum = sums + (i + static_cast<std::size_t>(k)) * stride + j;
-        lanesAt(sum) -= left[k];
-        lanesAt(sum + kDoubleLanes) -= right[k];
+        addLanes(sum, -left[k]);
+        addLanes(sum + kDoubleLanes, -right[k]);
       }
     }
   }
@@ -174,7 +178,7 @@ void invertTriangular(std::size_t count, std::size_t stride, double* rows) {
       for (std::size_t k = j; k < i; ++k)
         sum -= own[k] * lanesAt(rows + k * stride + j);
       if (i - j < kDoubleLanes) sum[i - j] = 1.0;
-      lanesAt(own + j) = sum * by_pivot;
+      setLanes(own + j, sum * by_pivot);
     }
   }
 }

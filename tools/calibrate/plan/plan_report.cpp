@@ -67,28 +67,28 @@ Diagram diagramOf(const std::vector<StereoDesign>& designs, double max_range, co
 
 std::string planTable(const std::vector<StereoDesign>& designs, const PlanSettings& settings,
                       ReportFormat format) {
-  const auto rowOf = [&designs](const std::string& name, const auto& textOf) {
+  const auto row_of = [&designs](const std::string& name, const auto& text_of) {
     std::vector<std::string> row{name};
-    std::transform(designs.begin(), designs.end(), std::back_inserter(row), textOf);
+    std::transform(designs.begin(), designs.end(), std::back_inserter(row), text_of);
     return row;
   };
   using Design = const StereoDesign&;
-  Table table(rowOf("baseline (m)", [](Design design) { return exactText(design.baseline); }));
-  table.add(rowOf("focal length (px)", [](Design design) { return fixed(design.focal_length, 1); }));
-  table.add(rowOf("width (px)", [](Design design) { return fixed(design.image_width, 0); }));
-  table.add(rowOf("view (deg)",
-                  [](Design design) { return fixed(kDegreesPerRadian * horizontalView(design), 1); }));
-  table.add(rowOf("from (m)", [&](Design design) { return significant(nearestMatched(design, settings)); }));
-  table.add(rowOf("to " + exactText(100.0 * settings.relative_error) + " % (m)", [&](Design design) {
+  Table table(row_of("baseline (m)", [](Design design) { return exactText(design.baseline); }));
+  table.add(row_of("focal length (px)", [](Design design) { return fixed(design.focal_length, 1); }));
+  table.add(row_of("width (px)", [](Design design) { return fixed(design.image_width, 0); }));
+  table.add(row_of("view (deg)",
+                   [](Design design) { return fixed(kDegreesPerRadian * horizontalView(design), 1); }));
+  table.add(row_of("from (m)", [&](Design design) { return significant(nearestMatched(design, settings)); }));
+  table.add(row_of("to " + exactText(100.0 * settings.relative_error) + " % (m)", [&](Design design) {
     return significant(rangeOfRelativeError(design, settings.disparity_noise, settings.relative_error));
   }));
   for (const double range : settings.ranges) {
     const std::string place = " at " + exactText(range) + " m ";
-    table.add(rowOf("error" + place + "(m)", [&](Design design) {
+    table.add(row_of("error" + place + "(m)", [&](Design design) {
       return significant(depthError(design, settings.disparity_noise, range));
     }));
-    table.add(rowOf("overlap" + place + "(%)",
-                    [&](Design design) { return fixed(100.0 * overlapAt(design, range), 1); }));
+    table.add(row_of("overlap" + place + "(%)",
+                     [&](Design design) { return fixed(100.0 * overlapAt(design, range), 1); }));
   }
   return table.as(format);
 }

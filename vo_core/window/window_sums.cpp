@@ -2,34 +2,32 @@
 #include "vo_core/window/window_sums.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace cartvo::vo {
 namespace {
 
 /// Four doubles anywhere in memory.
-inline DoubleLanes lanesAt(const double* values) {
-  DoubleLanes lanes;
-  std::memcpy(&lanes, values, sizeof lanes);
-  return lanes;
+struct __attribute__((packed, may_alias)) FreeLanes {
+  DoubleLanes value;
+};
+
+FreeLanes& lanesAt(double* values) {
+  return *reinterpret_cast<FreeLanes*>(values);
 }
-inline void setLanes(double* values, const DoubleLanes& lanes) {
-  std::memcpy(values, &lanes, sizeof lanes);
-}
-inline void addLanes(double* values, const DoubleLanes& lanes) {
-  setLanes(values, lanesAt(values) + lanes);
+const FreeLanes& lanesAt(const double* values) {
+  return *reinterpret_cast<const FreeLanes*>(values);
 }
 
 /// Adds a row of derivatives by a camera's pose (two groups of ObservationState) to those by its knots.
 inline void addToKnots(const KnotMap& map, const double* states, double* knots) {
-  const DoubleLanes position = lanesAt(states);
+  const DoubleLanes position = lanesAt(states).value;
   const DoubleLanes tiles[3] = {position, __builtin_shufflevector(position, position, 0, 0, 0, 1),
                                 __builtin_shufflevector(position, position, 2, 2, 2, 2)};
 #pragma GCC unroll 6
   for (int group = 0; group < kKnotGroups; ++group)
-    addLanes(knots + kDoubleLanes * group,
-             (map.position[group] * tiles[group % 3] + map.turn[0][group] * states[4]) +
-                 (map.turn[1][group] * states[5] + map.turn[2][group] * states[6]));
+    lanesAt(knots + kDoubleLanes * group).value +=
+        (map.position[group] * tiles[group % 3] + map.turn[0][group] * states[4]) +
+        (map.turn[1][group] * states[5] + map.turn[2][group] * states[6]);
 }
 
 constexpr bool isGap(int state) {
@@ -45,8 +43,8 @@ inline void addProducts(const double* x, const double* y, double x_weight, doubl
 #pragma GCC unroll 6
   for (int group = 0; group < kStateGroups; ++group) {
     if (!depends(group)) continue;
-    x_lanes[group] = lanesAt(x + kDoubleLanes * group);
-    y_lanes[group] = lanesAt(y + kDoubleLanes * group);
+    x_lanes[group] = lanesAt(x + kDoubleLanes * group).value;
+    y_lanes[group] = lanesAt(y + kDoubleLanes * group).value;
   }
 #pragma GCC unroll 24
   for (int state = 0; state < kStates; ++state) {
@@ -64,7 +62,7 @@ inline void addShared(const double* states, double factor, double* shared) {
   shared[kLeftReadout] += factor * states[kRowLeftReadout];
 #pragma GCC unroll 2
   for (int i = 0; i < 2 * kDoubleLanes; i += kDoubleLanes)
-    addLanes(shared + kRightReadout + i, factor * lanesAt(states + kRowRightReadout + i));
+    lanesAt(shared + kRightReadout + i).value += factor * lanesAt(states + kRowRightReadout + i).value;
 }
 
 CARTVO_TARGET_CLONES
@@ -79,9 +77,9 @@ void addObservation(const ObservationEquations& equations, const Eigen::Vector4d
     const auto factor = [&](int i) { return weight[i] * equations.by_place.data()[3 * i + place]; };
 #pragma GCC unroll 6
     for (int at = 0; at < kObservationStates; at += kDoubleLanes) {
-      DoubleLanes sum = factor(0) * lanesAt(row(0) + at) + factor(1) * lanesAt(row(1) + at);
-      if (stereo) sum += factor(2) * lanesAt(row(2) + at) + factor(3) * lanesAt(row(3) + at);
-      setLanes(states + at, sum);
+      DoubleLanes sum = factor(0) * lanesAt(row(0) + at).value + factor(1) * lanesAt(row(1) + at).value;
+      if (stereo) sum += factor(2) * lanesAt(row(2) + at).value + factor(3) * lanesAt(row(3) + at).value;
+      lanesAt(states + at).value = sum;
     }
     addToKnots(band.left, states, rows + 6 * band.left.first);
     if (stereo) addToKnots(band.right, states + kRowRightPosition, rows + 6 * band.right.first);
@@ -117,7 +115,7 @@ void addBand(const BandSums& band, std::size_t stride, int shared, double* row, 
       const int to = 6 * map.first + i;
       double* const sum = sums_of(to);
       for (int column = to & ~1; column < end; column += kDoubleLanes)
-        addLanes(sum + column, factors[i] * lanesAt(row + column));
+        lanesAt(sum + column).value += factors[i] * lanesAt(row + column).value;
       addShared(states, factors[i], sum + shared);
     }
   }
@@ -159,8 +157,8 @@ void subtractProducts(const double* rows, std::size_t count, std::size_t from, s
 #pragma GCC unroll 4
       for (int k = 0; k < kDoubleLanes; ++k) {
         double* const sum = sums + (i + static_cast<std::size_t>(k)) * stride + j;
-        addLanes(sum, -left[k]);
-        addLanes(sum + kDoubleLanes, -right[k]);
+        lanesAt(sum).value -= left[k];
+        lanesAt(sum + kDoubleLanes).value -= right[k];
       }
     }
   }
@@ -176,9 +174,9 @@ void invertTriangular(std::size_t count, std::size_t stride, double* rows) {
     for (std::size_t j = 0; j <= i; j += kDoubleLanes) {
       DoubleLanes sum{};
       for (std::size_t k = j; k < i; ++k)
-        sum -= own[k] * lanesAt(rows + k * stride + j);
+        sum -= own[k] * lanesAt(rows + k * stride + j).value;
       if (i - j < kDoubleLanes) sum[i - j] = 1.0;
-      setLanes(own + j, sum * by_pivot);
+      lanesAt(own + j).value = sum * by_pivot;
     }
   }
 }
@@ -189,7 +187,7 @@ void multiplyByStep(const double* rows, std::size_t from, std::size_t stride, co
   for (int row = 0; row < 3; ++row, rows += stride) {
     DoubleLanes sum{};
     for (std::size_t i = from; i < stride; i += kDoubleLanes)
-      sum += lanesAt(rows + i) * lanesAt(step + i);
+      sum += lanesAt(rows + i).value * lanesAt(step + i).value;
     products[row] = sumOf(sum);
   }
 }

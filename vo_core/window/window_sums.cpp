@@ -7,8 +7,9 @@ namespace cartvo::vo {
 namespace {
 
 /// Four doubles anywhere in memory.
-struct __attribute__((packed, may_alias)) FreeLanes {
-  DoubleLanes value;
+struct FreeLanes {
+  using Lanes = double __attribute__((vector_size(8 * kDoubleLanes), aligned(8), may_alias));
+  Lanes value;
 };
 
 FreeLanes& lanesAt(double* values) {

@@ -6,10 +6,12 @@
 namespace cartvo::vo {
 namespace {
 
+#if !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpacked-not-aligned"  // it is meant so
+#endif
 /// Four doubles anywhere in memory.
-struct FreeLanes {
-  using Lanes = double __attribute__((vector_size(8 * kDoubleLanes), aligned(8), may_alias));
-  Lanes value;
+struct __attribute__((packed, may_alias)) FreeLanes {
+  DoubleLanes value;
 };
 
 FreeLanes& lanesAt(double* values) {

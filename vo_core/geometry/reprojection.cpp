@@ -20,8 +20,7 @@ Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& 
 }
 
 ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
-                                        const Eigen::Vector3d& bearing, double inverse_depth,
-                                        const Projection& projection) {
+                                        double inverse_depth, const Projection& projection) {
   const Eigen::Vector3d& y = projection.ray;
   const double scale = camera.focal_length / y.z();
   Eigen::Matrix<double, 2, 3> by_ray;
@@ -30,9 +29,6 @@ ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen:
   ProjectionJacobians jacobians;
   jacobians.by_camera.leftCols<3>() = -inverse_depth * by_ray;
   jacobians.by_camera.rightCols<3>() = by_ray * skew(y);
-  jacobians.by_bearing = by_ray * T_camera_anchor.linear();
-  jacobians.by_anchor.leftCols<3>() = inverse_depth * jacobians.by_bearing;
-  jacobians.by_anchor.rightCols<3>() = -jacobians.by_bearing * skew(bearing);
   jacobians.by_inverse_depth = by_ray * T_camera_anchor.translation();
   return jacobians;
 }

@@ -29,13 +29,10 @@ Projection projectLandmark(const StereoCamera& camera, const Eigen::Isometry3d& 
 /// Derivatives of a projection's pixel.
 struct ProjectionJacobians {
   Eigen::Matrix<double, 2, 6> by_camera = Eigen::Matrix<double, 2, 6>::Zero();  ///< perturbation on the right
-  Eigen::Matrix<double, 2, 6> by_anchor = Eigen::Matrix<double, 2, 6>::Zero();  ///< perturbation on the right
-  Eigen::Matrix<double, 2, 3> by_bearing = Eigen::Matrix<double, 2, 3>::Zero();
   Eigen::Vector2d by_inverse_depth = Eigen::Vector2d::Zero();
 };
 ProjectionJacobians projectionJacobians(const StereoCamera& camera, const Eigen::Isometry3d& T_camera_anchor,
-                                        const Eigen::Vector3d& bearing, double inverse_depth,
-                                        const Projection& projection);
+                                        double inverse_depth, const Projection& projection);
 
 /// Direction of a pixel, z = 1.
 inline Eigen::Vector3d bearingOf(const StereoCamera& camera, const Eigen::Vector2d& pixel) {

@@ -41,13 +41,10 @@ inline ViewLanes viewOf(const RayLanes& ray) {
   return {ray.x * inverse_z, ray.y * inverse_z, inverse_z};
 }
 
-/// Change of the view, at z = 1, of a ray that changes by `change`.
+/// Derivative of the view, at z = 1, by the inverse depth.
 struct PixelLanes {
   DoubleLanes x, y;
 };
-inline PixelLanes viewByRay(const ViewLanes& view, const RayLanes& change) {
-  return {view.inverse_z * (change.x - view.x * change.z), view.inverse_z * (change.y - view.y * change.z)};
-}
 template <typename Transform>
 inline PixelLanes viewByInverseDepth(const Transform& T, const ViewLanes& view) {
   return {view.inverse_z * (T(0, 3) - view.x * T(2, 3)), view.inverse_z * (T(1, 3) - view.y * T(2, 3))};
@@ -61,28 +58,6 @@ inline PoseLanes columnByCamera(const ViewLanes& view, const PlaceLanes& place) 
 inline PoseLanes rowByCamera(const ViewLanes& view, const PlaceLanes& place) {
   const DoubleLanes nearness = place.inverse_depth * view.inverse_z;
   return {{DoubleLanes{}, -nearness, nearness * view.y, 1.0 + view.y * view.y, -view.x * view.y, -view.x}};
-}
-
-/// Derivative of the view's coordinate of `axis` (0: column, 1: row), whose value is `at`, by the anchor's
-/// pose.
-template <typename Transform>
-inline PoseLanes byAnchor(const Transform& T, int axis, const DoubleLanes& at, const ViewLanes& view,
-                          const PlaceLanes& place) {
-  // By the bearing.
-  const DoubleLanes a = view.inverse_z * (T(axis, 0) - at * T(2, 0));
-  const DoubleLanes b = view.inverse_z * (T(axis, 1) - at * T(2, 1));
-  const DoubleLanes c = view.inverse_z * (T(axis, 2) - at * T(2, 2));
-  const auto& [x, y, z] = place.bearing;
-  const DoubleLanes& rho = place.inverse_depth;
-  return {{rho * a, rho * b, rho * c, y * c - z * b, z * a - x * c, x * b - y * a}};
-}
-template <typename Transform>
-inline PoseLanes columnByAnchor(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
-  return byAnchor(T, 0, view.x, view, place);
-}
-template <typename Transform>
-inline PoseLanes rowByAnchor(const Transform& T, const ViewLanes& view, const PlaceLanes& place) {
-  return byAnchor(T, 1, view.y, view, place);
 }
 
 }  // namespace cartvo::vo

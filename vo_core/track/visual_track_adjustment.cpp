@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/statistics.hpp"
 #include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/track/visual_track.hpp"
@@ -138,10 +139,8 @@ bool VisualTrack::restartAfterBump(Draft& draft) {
   for (const TrackWindow::AdjustedLandmark& adjusted : track_window_.landmarks())
     if (draft.landmarks[adjusted.index].last().stereo) right_rows_.push_back(adjusted.fit.right_row);
   if (static_cast<int>(right_rows_.size()) < settings_.validity.minimum_matches) return false;
-  const auto middle = right_rows_.begin() + static_cast<std::ptrdiff_t>(right_rows_.size() / 2);
-  std::nth_element(right_rows_.begin(), middle, right_rows_.end());
   const double noise = stereo_look::kRowNoise / camera_.focal_length;  // rad
-  const double turned = *middle / camera_.focal_length;
+  const double turned = median(right_rows_) / camera_.focal_length;
   if (std::abs(turned) < 2.0 * noise) return false;
   estimates_.rig.reinitialisePitch({estimates_.rig.states().pitch.value + turned, noise});
   for (Landmark& landmark : draft.landmarks)

@@ -20,7 +20,7 @@ EpipolarLine epipolarLine(const StereoCamera& camera, const Eigen::Isometry3d& T
   const Projection infinity = projectLandmark(camera, T_right_left, bearing, 0.0);
   if (!infinity.valid) return line;
   line.at_infinity = infinity.pixel - pixel;
-  const ProjectionJacobians by = projectionJacobians(camera, T_right_left, bearing, 0.0, infinity);
+  const ProjectionJacobians by = projectionJacobians(camera, T_right_left, 0.0, infinity);
   line.per_disparity =
       by.by_inverse_depth / (camera.focal_length * camera.baseline) + Eigen::Vector2d::UnitX();
   return line;

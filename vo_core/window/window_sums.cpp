@@ -6,13 +6,15 @@
 namespace cartvo::vo {
 namespace {
 
+#pragma GCC diagnostic push
 #if !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpacked-not-aligned"  // it is meant so
+#pragma GCC diagnostic ignored "-Wpacked-not-aligned"
 #endif
 /// Four doubles anywhere in memory.
 struct __attribute__((packed, may_alias)) FreeLanes {
   DoubleLanes value;
 };
+#pragma GCC diagnostic pop
 
 FreeLanes& lanesAt(double* values) {
   return *reinterpret_cast<FreeLanes*>(values);

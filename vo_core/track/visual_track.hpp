@@ -157,7 +157,7 @@ class VisualTrack {
   bool isRejected(const PreparedPair& pair, TrackedMotion& motion) const;
 
   // visual_track_adjustment.cpp
-  SharedPrior sharedPrior(const PreparedPair& pair) const;
+  SharedPrior sharedPrior(const PreparedPair& pair, const Estimates& estimates) const;
   TrackWindowInput windowInput(const PreparedPair& pair, const SharedPrior& shared, const Draft& draft) const;
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);

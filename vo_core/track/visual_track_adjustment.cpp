@@ -48,10 +48,10 @@ void addChange(const Vector6d& change, const Matrix6d& before, const Matrix6d& n
 }  // namespace
 
 /// Knowledge of the cameras before a window: readouts and rig as estimated so far.
-SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair) const {
+SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Estimates& estimates) const {
   const SelfCalibrationSettings& settings = settings_.self_calibration;
-  const auto& [left, right] = estimates_.readouts;
-  const RigStates& rig = estimates_.rig.states();
+  const auto& [left, right] = estimates.readouts;
+  const RigStates& rig = estimates.rig.states();
   SharedPrior prior;
   prior.mean << left.value, right.value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
   prior.stddev.head<kOffset>() << std::max(left.stddev, kKnownStddev), std::max(right.stddev, kKnownStddev);
@@ -80,7 +80,7 @@ TrackWindowInput VisualTrack::windowInput(const PreparedPair& pair, const Shared
 /// Sets the newest pair's pose, and where its right camera is, by its left positions: the right ones are
 /// searched there.
 void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
-  const auto newest = track_window_.predict(windowInput(pair, sharedPrior(pair), draft));
+  const auto newest = track_window_.predict(windowInput(pair, sharedPrior(pair, estimates_), draft));
   if (!newest) return;
   WindowFrame& frame = draft.window.back();
   frame.motion = newest->motion;
@@ -91,17 +91,17 @@ void VisualTrack::predictByWindow(const PreparedPair& pair, Draft& draft) {
 
 /// Adjusts the window and, if the motion is valid, accepts the draft.
 void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion) {
-  SharedPrior prior = sharedPrior(pair);
+  draft.estimates = estimates_;
+  SharedPrior prior = sharedPrior(pair, estimates_);
   auto adjusted = track_window_.adjust(windowInput(pair, prior, draft));
   if (adjusted && restartAfterBump(draft)) {
-    prior = sharedPrior(pair);
+    prior = sharedPrior(pair, draft.estimates);
     adjusted = track_window_.adjust(windowInput(pair, prior, draft));
   }
-  if (!adjusted) {
+  if (!adjusted || !adjusted->explained) {
     motion.reason = OdometryReason::degenerate_geometry;
     return;
   }
-  draft.estimates = estimates_;
   useAdjusted(*adjusted, prior, draft);
   WindowFrame& newest = draft.window.back();
   newest.pose_covariance *= pair.pose_noise_inflation;
@@ -132,7 +132,8 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 }
 
 /// Whether the right camera has been turned since the last pair: the rows of most of its matches are
-/// displaced. The window then begins anew, without the right positions seen before.
+/// displaced, by no more than is corrected. The window then begins anew, without the right positions seen
+/// before; the draft has the new pitch.
 bool VisualTrack::restartAfterBump(Draft& draft) {
   if (!estimatesRig()) return false;
   right_rows_.clear();
@@ -141,8 +142,9 @@ bool VisualTrack::restartAfterBump(Draft& draft) {
   if (static_cast<int>(right_rows_.size()) < settings_.validity.minimum_matches) return false;
   const double noise = stereo_look::kRowNoise / camera_.focal_length;  // rad
   const double turned = median(right_rows_) / camera_.focal_length;
-  if (std::abs(turned) < 2.0 * noise) return false;
-  estimates_.rig.reinitialisePitch({estimates_.rig.states().pitch.value + turned, noise});
+  const double pitch = estimates_.rig.states().pitch.value + turned;
+  if (std::abs(turned) < 2.0 * noise || std::abs(pitch) > pitch_search::kMaximumPitch) return false;
+  draft.estimates.rig.reinitialisePitch({pitch, noise});
   for (Landmark& landmark : draft.landmarks)
     for (Observation& observation : landmark.observations)
       if (observation.frame != draft.window.back().index) observation.stereo = false;

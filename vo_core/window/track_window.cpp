@@ -195,6 +195,7 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
   adjusted.shared = problem.shared;
   adjusted.shared_stddev =
       result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();
+  adjusted.explained = solver_.explains(problem);
   listAdjusted(adjusted.pairs);
   return adjusted;
 }
@@ -237,7 +238,8 @@ std::optional<TrackWindow::Pair> TrackWindow::predict(const TrackWindowInput& in
   prepare(input);
   WindowProblem& problem = next_.problem;
   const bool young = next_.young <= kPairsOfStart;
-  if (young ? !solver_.step(problem, kStartScales) : !solver_.step(problem, kPredictionScales)) {
+  if (!(young ? solver_.step(problem, kStartScales) : solver_.step(problem, kPredictionScales)) ||
+      !solver_.explains(problem)) {
     problem.pairs.clear();
     return std::nullopt;
   }

@@ -57,6 +57,7 @@ class TrackWindow {
     WindowTwist twist;                          ///< at the newest exposure
     WindowTwist twist_before;                   ///< at the exposure before
     SharedVector shared, shared_stddev;
+    bool explained;  ///< whether most of the landmarks fit
     EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }
   };
   /// A landmark that took part.
@@ -67,7 +68,8 @@ class TrackWindow {
   };
 
   /// The newest pair, whose right positions are not known yet, by its left ones; without covariance. Nothing
-  /// if the geometry is degenerate. adjust() with the same pair goes on from there.
+  /// if the geometry is degenerate or most positions do not fit. adjust() with the same pair goes on from
+  /// there.
   std::optional<Pair> predict(const TrackWindowInput& input);
   /// Adjusts the window with its newest pair; nothing if the geometry is degenerate. accept() keeps the
   /// result; without it, the pair is forgotten.

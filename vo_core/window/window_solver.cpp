@@ -86,6 +86,13 @@ bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales, 
   return true;
 }
 
+bool WindowSolver::explains(const WindowProblem& problem) const {
+  std::size_t explained = 0;
+  for (std::size_t i = 0; i < problem.landmarks.size(); ++i)
+    if (fit(i).information > 0.0) ++explained;
+  return 2 * explained >= problem.landmarks.size();
+}
+
 WindowResult WindowSolver::solve(WindowProblem& problem, std::span<const double> scales) {
   WindowResult result;
   result.noise = problem.noise;

@@ -29,6 +29,9 @@ class WindowSolver {
 
   /// Of the last step.
   const LandmarkFit& fit(std::size_t landmark) const { return equations_.fit(landmark); }
+  /// Whether the values before the last step explain at least half of the problem's landmarks; elsewhere
+  /// Gauss-Newton has left the minimum, and the covariance means nothing.
+  bool explains(const WindowProblem& problem) const;
 
   /// Moves the information of landmarks that are no longer seen, and the oldest `knots` of the trajectory,
   /// into the prior. Landmarks beyond the gate are dropped.

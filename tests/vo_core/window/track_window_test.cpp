@@ -311,5 +311,30 @@ TEST(TrackWindow, StatesNothingWithoutLandmarks) {
   EXPECT_TRUE(!adjusted || adjusted->motion.covariance(2, 2) > 0.1);
 }
 
+TEST(TrackWindow, ExplainsNoPositionsOfAnotherScene) {
+  const Drive drive;
+  const SharedPrior prior = priorOf(drive);
+  const StillRegions still(kCamera);
+  for (const bool other : {false, true}) {
+    World world(drive);
+    std::vector<WindowFrame> frames(2);
+    frames[0].index = 0;
+    frames[1].index = 1;
+    frames[1].exposure_ns = std::llround(1e9 * kPeriod);
+    frames[1].T_world_camera = truthAt(drive, kPeriod);
+    world.advance(0, 0);
+    world.advance(1, 0);
+    std::vector<Landmark> landmarks = world.landmarks();
+    if (other)
+      for (std::size_t i = 1; i < landmarks.size(); ++i)
+        std::swap(landmarks[i].observations.back().left, landmarks[i - 1].observations.back().left);
+    TrackWindow window;
+    const TrackWindowInput input{kCamera, world.timing(), prior, still, landmarks, frames, {}, 10.0};
+    EXPECT_EQ(window.predict(input).has_value(), !other);
+    const auto adjusted = window.adjust(input);
+    EXPECT_EQ(adjusted && adjusted->explained, !other);
+  }
+}
+
 }  // namespace
 }  // namespace cartvo::vo

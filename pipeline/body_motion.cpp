@@ -96,6 +96,15 @@ void setTwist(BodyMotion& motion, const vo::ExposureTwist& twist, const Eigen::I
   motion.twist_scale_error = Ad * scale_error;
   motion.twist_covariance = Ad * twist.covariance * Ad.transpose() +
                             motion.twist_scale_error * motion.twist_scale_error.transpose();
+  // Of the body's origin, which is fixed to the camera: a + alpha x l + omega x (omega x l); the first two by
+  // the adjoint.
+  const Eigen::Matrix3d& rotation = T_body_rectified.linear();
+  const Eigen::Vector3d to_body = T_body_rectified.inverse().translation(), rate = twist.value.tail<3>();
+  motion.acceleration = (Ad * twist.acceleration).head<3>() + rotation * rate.cross(rate.cross(to_body));
+  const Eigen::Vector3d acceleration_scale_error = scale_stddev * (rotation * twist.acceleration.head<3>());
+  motion.acceleration_covariance =
+      (Ad * twist.acceleration_covariance * Ad.transpose()).topLeftCorner<3, 3>() +
+      acceleration_scale_error * acceleration_scale_error.transpose();
 }
 
 void eraseTwist(BodyMotion& motion) {
@@ -104,6 +113,8 @@ void eraseTwist(BodyMotion& motion) {
   motion.angular_velocity.setConstant(kUnknown);
   motion.twist_covariance.setConstant(kUnknown);
   motion.twist_scale_error.setConstant(kUnknown);
+  motion.acceleration.setConstant(kUnknown);
+  motion.acceleration_covariance.setConstant(kUnknown);
 }
 
 }  // namespace cartvo::pipeline

@@ -50,10 +50,13 @@ struct FeatureCounts {
   int stereo = 0;    ///< of the detected, found in the right image; not counted during a standstill
 };
 
-/// Velocity at the instant of an exposure.
+/// Velocity and acceleration at the instant of an exposure, in the camera's axes. The acceleration is that of
+/// the camera's origin, and of its rate.
 struct ExposureTwist {
-  Vector6d value = Vector6d::Zero();
+  Vector6d value = Vector6d::Zero();  ///< m/s and rad/s
   Matrix6d covariance = Matrix6d::Zero();
+  Vector6d acceleration = Vector6d::Zero();  ///< m/s^2 and rad/s^2
+  Matrix6d acceleration_covariance = Matrix6d::Zero();
 };
 
 /// Result for one pair.
@@ -87,8 +90,8 @@ struct OdometryEstimate {
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< relative to the start of the epoch
   FeatureCounts counts;
   std::optional<RigCalibrationError> rig;  ///< empty if it is not estimated
-  /// Twist at the left exposure (m/s and rad/s, in the axes of the current camera) and its covariance; empty
-  /// if it is not valid, or if it is not known better than by the motion divided by the time step.
+  /// At the left exposure; empty if it is not valid, or if the velocity is not known better than by the
+  /// motion divided by the time step.
   std::optional<ExposureTwist> twist;
   std::optional<ReadoutEstimates> readouts;  ///< empty if they are not estimated
   /// Parts of the image that do not move with the scene and are left out: lettering, dirt, the cart itself.

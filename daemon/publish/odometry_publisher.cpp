@@ -31,11 +31,6 @@ void setUnknown(double (&values)[count]) {
   std::fill(std::begin(values), std::end(values), kUnknown);
 }
 
-void setAccelerationUnknown(odometry_t& message) {
-  setUnknown(message.acceleration_body);
-  setUnknown(message.acceleration_covariance_body);
-}
-
 void setBounds(odometry_t& message, const pipeline::ProtectionLevel& level) {
   Eigen::Map<Eigen::Vector3d>(message.velocity_bound) = level.velocity;
   Eigen::Map<Eigen::Vector3d>(message.angular_rate_bound) = level.angular_rate;
@@ -50,7 +45,8 @@ void eraseMeasurements(odometry_t& message) {
   setUnknown(message.velocity_body);
   setUnknown(message.angular_velocity_body);
   setUnknown(message.twist_covariance_body);
-  setAccelerationUnknown(message);
+  setUnknown(message.acceleration_body);
+  setUnknown(message.acceleration_covariance_body);
   setBounds(message, {});
 }
 
@@ -94,8 +90,9 @@ odometry_t odometryMessage(const pipeline::PairResult& result) {
   Eigen::Map<Eigen::Vector3d>(message.velocity_body) = result.motion.velocity;
   Eigen::Map<Eigen::Vector3d>(message.angular_velocity_body) = result.motion.angular_velocity;
   setMatrix(message.twist_covariance_body, result.motion.twist_covariance);
+  Eigen::Map<Eigen::Vector3d>(message.acceleration_body) = result.motion.acceleration;
+  Eigen::Map<Eigen::Matrix3d>(message.acceleration_covariance_body) = result.motion.acceleration_covariance;
 
-  setAccelerationUnknown(message);
   if (result.isValid()) {
     message.status = odometry_t::VALID;
     message.quality = static_cast<std::int8_t>(result.worst->quality());

@@ -196,5 +196,38 @@ TEST(BodyMotion, MovesATwistToTheBodyOrigin) {
   EXPECT_GT(motion.twist_covariance(0, 0), 1e-4 + 0.99e-4 * forward.x() * forward.x());
 }
 
+/// A body that turns ever faster on a spiral: the camera's acceleration by differences of its path.
+TEST(BodyMotion, MovesAnAccelerationToTheBodyOrigin) {
+  const Eigen::Isometry3d mount = tiltedMount();
+  const auto body_at = [](double t) {
+    Eigen::Isometry3d body(
+        Eigen::AngleAxisd(0.8 * t + 0.6 * t * t, Eigen::Vector3d(0.1, -0.2, 1.0).normalized()));
+    body.translation() = Eigen::Vector3d(3.0 * t + t * t, 0.5 * t * t, 0.2 * t);
+    return body;
+  };
+  constexpr double kStep = 1e-4, kTime = 0.3;
+  const auto camera_at = [&](double t) { return body_at(kTime + t) * mount; };
+  const auto acceleration_of = [&](const auto& path) {
+    const Eigen::Vector3d second =
+        (path(kStep).translation() - 2.0 * path(0.0).translation() + path(-kStep).translation()) /
+        (kStep * kStep);
+    return Eigen::Vector3d(path(0.0).linear().transpose() * second);
+  };
+  const auto rate_at = [&](double t) {
+    return Eigen::Vector3d(logarithm(camera_at(t - kStep).inverse() * camera_at(t + kStep)).tail<3>() /
+                           (2.0 * kStep));
+  };
+  vo::ExposureTwist twist;
+  twist.value.tail<3>() = rate_at(0.0);
+  twist.acceleration << acceleration_of(camera_at), (rate_at(kStep) - rate_at(-kStep)) / (2.0 * kStep);
+  twist.acceleration_covariance.diagonal() << 0.01, 0.01, 0.01, 0.04, 0.04, 0.04;
+  BodyMotion motion;
+  setTwist(motion, twist, mount, 0.0);
+  const Eigen::Vector3d truth = acceleration_of([&](double t) { return body_at(kTime + t); });
+  EXPECT_LT((motion.acceleration - truth).norm(), 1e-4) << motion.acceleration.transpose();
+  // About the vertical axis, the lever arm is 1 m forward and 0.5 m to the left.
+  EXPECT_NEAR(motion.acceleration_covariance.trace(), 3 * 0.01 + 2 * 0.04 * (1.0 + 0.25 + 4.0), 1e-9);
+}
+
 }  // namespace
 }  // namespace cartvo::pipeline

@@ -11,10 +11,12 @@ namespace {
 constexpr std::size_t kSide = 6;
 constexpr std::array<const char*, kSide> kPoseAxes{"x", "y", "z", "rx", "ry", "rz"};
 constexpr std::array<const char*, kSide> kTwistAxes{"vx", "vy", "vz", "wx", "wy", "wz"};
+constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 
-void addNames(std::string& row, const char* matrix, const std::array<const char*, kSide>& axes) {
-  for (std::size_t i = 0; i < kSide; ++i) {
-    for (std::size_t j = i; j < kSide; ++j)
+template <std::size_t side>
+void addNames(std::string& row, const char* matrix, const std::array<const char*, side>& axes) {
+  for (std::size_t i = 0; i < side; ++i) {
+    for (std::size_t j = i; j < side; ++j)
       row.append(",").append(matrix).append("_").append(axes[i]).append("_").append(axes[j]);
   }
 }
@@ -31,10 +33,12 @@ void add(std::string& row, const double (&values)[count]) {
     add(row, value);
 }
 
-void addTriangle(std::string& row, const double (&matrix)[kSide * kSide]) {
-  for (std::size_t i = 0; i < kSide; ++i) {
-    for (std::size_t j = i; j < kSide; ++j)
-      add(row, matrix[kSide * i + j]);
+template <std::size_t side, std::size_t count>
+void addTriangle(std::string& row, const double (&matrix)[count]) {
+  static_assert(count == side * side);
+  for (std::size_t i = 0; i < side; ++i) {
+    for (std::size_t j = i; j < side; ++j)
+      add(row, matrix[side * i + j]);
   }
 }
 
@@ -47,10 +51,12 @@ std::string header() {
   addNames(row, "twist_covariance", kTwistAxes);
   row += ",features,tracked,inliers";
   for (const char* bound : {"velocity", "angular_rate", "motion", "rotation"}) {
-    for (const char* axis : {"x", "y", "z"})
+    for (const char* axis : kAxes)
       row.append(",").append(bound).append("_bound_").append(axis);
   }
-  return row + ",quality\n";
+  row += ",quality,ax_m_s2,ay_m_s2,az_m_s2";
+  addNames(row, "acceleration_covariance", kAxes);
+  return row + "\n";
 }
 
 }  // namespace
@@ -66,14 +72,16 @@ std::string odometryCsv(const Replay& replay) {
     add(row, message.orientation_world_body);
     add(row, message.velocity_body);
     add(row, message.angular_velocity_body);
-    addTriangle(row, message.pose_covariance_body);
-    addTriangle(row, message.twist_covariance_body);
+    addTriangle<kSide>(row, message.pose_covariance_body);
+    addTriangle<kSide>(row, message.twist_covariance_body);
     for (const std::int32_t count : {message.features, message.tracked, message.inliers})
       row.append(",").append(std::to_string(count));
     for (const auto* bound : {&message.velocity_bound, &message.angular_rate_bound, &message.motion_bound,
                               &message.rotation_bound})
       add(row, *bound);
     row.append(",").append(std::to_string(message.quality));
+    add(row, message.acceleration_body);
+    addTriangle<kAxes.size()>(row, message.acceleration_covariance_body);
     csv += row + "\n";
   }
   return csv;

@@ -111,7 +111,7 @@ class VisualTrack {
     PredictionErrors prediction_errors;
     // The last ones as they were estimated then, and errors of such ones as the next pair shows them.
     std::optional<WindowMotion> motion;
-    std::optional<WindowTwist> twist;
+    std::optional<ExposureTwist> twist;
     AxisErrors motion_errors, twist_errors;
   };
 

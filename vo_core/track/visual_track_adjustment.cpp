@@ -113,9 +113,9 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   motion.by_window = inflated(adjusted->motion.covariance, estimates.motion_errors, memory);
   motion.codec_inflation = pair.pose_noise_inflation;
   motion.noise_is_uncalibrated = static_cast<int>(draft.window.size()) <= settings_.window.pairs;
-  motion.twist = ExposureTwist{
-      adjusted->twist.value,
-      pair.pose_noise_inflation * inflated(adjusted->twist.covariance, estimates.twist_errors, memory)};
+  motion.twist = adjusted->twist;
+  for (Matrix6d* const covariance : {&motion.twist->covariance, &motion.twist->acceleration_covariance})
+    *covariance = pair.pose_noise_inflation * inflated(*covariance, estimates.twist_errors, memory);
   motion.reason = validate(motion);
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
@@ -188,7 +188,7 @@ void VisualTrack::updateErrors(const TrackWindow::Adjusted& adjusted, Estimates&
   const auto twist = std::exchange(estimates.twist, adjusted.twist);
   const auto motion = std::exchange(estimates.motion, adjusted.motion);
   if (!twist || standing_ || !adjusted.motion_before) return;
-  const WindowTwist& twist_now = adjusted.twist_before;
+  const ExposureTwist& twist_now = adjusted.twist_before;
   addChange(twist->value - twist_now.value, twist->covariance, twist_now.covariance, memory,
             estimates.twist_errors);
   const WindowMotion& motion_now = *adjusted.motion_before;

@@ -54,8 +54,8 @@ class TrackWindow {
     Pairs pairs;
     WindowMotion motion;                        ///< to the newest pair
     std::optional<WindowMotion> motion_before;  ///< to the pair before it
-    WindowTwist twist;                          ///< at the newest exposure
-    WindowTwist twist_before;                   ///< at the exposure before
+    ExposureTwist twist;                        ///< at the newest exposure
+    ExposureTwist twist_before;                 ///< at the exposure before
     SharedVector shared, shared_stddev;
     bool explained;  ///< whether most of the landmarks fit
     EstimateWithStddev estimate(SharedState state) const { return {shared[state], shared_stddev[state]}; }

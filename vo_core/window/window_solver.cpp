@@ -9,6 +9,8 @@ namespace {
 
 using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
+constexpr double kStep = 2e-4;  // s, of derivatives by time
+
 /// Derivatives of the position in the world's axes and of the rotation (on the right) by the unknowns.
 Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
   Rows rows = Rows::Zero(6, unknowns);
@@ -18,6 +20,15 @@ Rows byUnknowns(const Trajectory::Instant& instant, Eigen::Index unknowns) {
     rows.block<3, 3>(3, at + 3) = instant.turn_by_knot[i];
   }
   return rows;
+}
+
+/// Derivatives of the angular rate, in the camera's axes, by the unknowns.
+Eigen::Matrix<double, 3, Eigen::Dynamic> rateByUnknowns(const Trajectory& trajectory, double time,
+                                                        Eigen::Index unknowns) {
+  const Trajectory::Instant before = trajectory.at(time - kStep), after = trajectory.at(time + kStep);
+  return (byUnknowns(after, unknowns).bottomRows<3>() -
+          after.rotation.transpose() * before.rotation * byUnknowns(before, unknowns).bottomRows<3>()) /
+         (2.0 * kStep);
 }
 
 /// Covariance of what depends on the unknowns by `rows`, on none but those of the knots from the first one of
@@ -170,23 +181,35 @@ WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& res
   return {motion, carried(rows, result, a, b)};
 }
 
-WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time) {
-  constexpr double kStep = 2e-4;  // s, of the rate's derivative
-  const Trajectory::Instant at = problem.trajectory.at(time);
-  const Trajectory::Instant before = problem.trajectory.at(time - kStep),
-                            after = problem.trajectory.at(time + kStep);
+ExposureTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time) {
+  const Trajectory& trajectory = problem.trajectory;
+  const Trajectory::Instant at = trajectory.at(time), before = trajectory.at(time - 2.0 * kStep),
+                            after = trajectory.at(time + 2.0 * kStep);
+  const Eigen::Matrix3d to_camera = at.rotation.transpose();
   const Eigen::Index unknowns = result.covariance.rows();
-  WindowTwist twist;
-  twist.value << at.rotation.transpose() * at.velocity, at.rate;
-  Rows rows = byUnknowns(at, unknowns);
-  rows.topRows<3>() = skew(twist.value.head<3>()) * rows.bottomRows<3>();
-  for (int i = 0; i < Trajectory::kSupport; ++i)
-    rows.block<3, 3>(0, columnOf(at.first + i)) += at.velocity_by_knot[i] * at.rotation.transpose();
-  rows.bottomRows<3>() =
-      (byUnknowns(after, unknowns).bottomRows<3>() -
-       after.rotation.transpose() * before.rotation * byUnknowns(before, unknowns).bottomRows<3>()) /
-      (2.0 * kStep);
-  twist.covariance = carried(rows, result, before, after);
+  ExposureTwist twist;
+  twist.value << to_camera * at.velocity, at.rate;
+  twist.acceleration << to_camera * at.acceleration, at.angular_acceleration;
+  const Rows turned = byUnknowns(at, unknowns);
+  const auto rows_of = [&](const Vector6d& value) {
+    Rows rows = Rows::Zero(6, unknowns);
+    rows.topRows<3>() = skew(value.head<3>()) * turned.bottomRows<3>();
+    return rows;
+  };
+  const auto add_by_knot = [&](const Trajectory::Instant& instant, double factor, Rows& rows) {
+    for (int i = 0; i < Trajectory::kSupport; ++i)
+      rows.block<3, 3>(0, columnOf(instant.first + i)) += factor * instant.velocity_by_knot[i] * to_camera;
+  };
+  Rows by_velocity = rows_of(twist.value), by_acceleration = rows_of(twist.acceleration);
+  add_by_knot(at, 1.0, by_velocity);
+  add_by_knot(after, 0.25 / kStep, by_acceleration);
+  add_by_knot(before, -0.25 / kStep, by_acceleration);
+  by_velocity.bottomRows<3>() = rateByUnknowns(trajectory, time, unknowns);
+  by_acceleration.bottomRows<3>() = (rateByUnknowns(trajectory, time + kStep, unknowns) -
+                                     rateByUnknowns(trajectory, time - kStep, unknowns)) /
+                                    (2.0 * kStep);
+  twist.covariance = carried(by_velocity, result, before, after);
+  twist.acceleration_covariance = carried(by_acceleration, result, before, after);
   return twist;
 }
 

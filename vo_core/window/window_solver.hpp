@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "vo_core/odometry_estimate.hpp"
 #include "vo_core/window/window_equations.hpp"
 #include "vo_core/window/window_problem.hpp"
 
@@ -55,11 +56,6 @@ struct WindowMotion {
 };
 WindowMotion poseAt(const WindowProblem& problem, const WindowResult& result, double time);
 WindowMotion motionBetween(const WindowProblem& problem, const WindowResult& result, double from, double to);
-/// Velocity and angular rate in the camera's axes, m/s and rad/s, and their covariance.
-struct WindowTwist {
-  Vector6d value;
-  Matrix6d covariance;
-};
-WindowTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time);
+ExposureTwist twistAt(const WindowProblem& problem, const WindowResult& result, double time);
 
 }  // namespace cartvo::vo

@@ -55,9 +55,8 @@ TEST(OdometryMessage, HoldsEstimateInMicrosecondsAndBodyAxes) {
   EXPECT_DOUBLE_EQ(message.rotation_bound[0], 0.002);
   EXPECT_EQ(message.quality, 77) << "0.006 rad of 1.5 deg";
   EXPECT_EQ(message.source_id, 0) << "a replay's";
-  EXPECT_EQ(message.crc32, 0);
-  EXPECT_TRUE(std::isnan(message.acceleration_body[0]) &&
-              std::isnan(message.acceleration_covariance_body[8]));
+  EXPECT_DOUBLE_EQ(message.acceleration_body[1], 0.5);
+  EXPECT_DOUBLE_EQ(message.acceleration_covariance_body[8], 0.09);
 }
 
 TEST(OdometryMessage, ThatExceedsAnAlertLimitShowsTheBoundsAlone) {

@@ -24,6 +24,8 @@ inline pipeline::PairResult validResult() {
   for (int i = 0; i < 36; ++i)
     result.motion.pose_covariance(i / 6, i % 6) = i;
   result.motion.twist_covariance = vo::Matrix6d::Identity();
+  result.motion.acceleration = Eigen::Vector3d(1.0, 0.5, 0.0);
+  result.motion.acceleration_covariance = 0.09 * Eigen::Matrix3d::Identity();
   const auto bounds = [](double x) { return Eigen::Vector3d(x, 2.0 * x, 3.0 * x); };
   result.level = {bounds(0.04), bounds(0.001), bounds(0.01), bounds(0.002)};
   result.worst = pipeline::worstBound(result.level, {});

@@ -46,7 +46,8 @@ Eigen::Isometry3d truthAt(const Drive& drive, double t) {
 struct Errors {
   double motion = 0.0, turn = 0.0;  // m^2, rad^2
   double right_turn = 0.0;          // rad^2, of the predicted right camera
-  double motion_nees = 0.0, twist_nees = 0.0;
+  double motion_nees = 0.0, twist_nees = 0.0, acceleration_nees = 0.0;
+  double acceleration = 0.0;                   // (m/s^2)^2
   double readout = 0.0, readout_stddev = 0.0;  // s, at the end
   double depth = 0.0;                          // 1/m, mean of the newest pair's landmarks
   std::size_t depths = 0;                      // of so many
@@ -214,6 +215,16 @@ Errors drivenWith(const Drive& drive) {
     twist << to.linear().transpose() * (after.translation() - before.translation()) / (2 * kStep),
         vectorFromMotion(before.inverse() * after).tail<3>() / (2 * kStep);
     const Vector6d twist_error = adjusted->twist.value - twist;
+    const auto rate_at = [&](double t) -> Eigen::Vector3d {
+      return vectorFromMotion(truthAt(drive, t - kStep).inverse() * truthAt(drive, t + kStep)).tail<3>() /
+             (2 * kStep);
+    };
+    Vector6d acceleration;
+    acceleration << to.linear().transpose() *
+                        (after.translation() - 2.0 * to.translation() + before.translation()) /
+                        (kStep * kStep),
+        (rate_at(pair * kPeriod + kStep) - rate_at(pair * kPeriod - kStep)) / (2 * kStep);
+    const Vector6d acceleration_error = adjusted->twist.acceleration - acceleration;
     if (pair < 10) continue;
     const Eigen::Isometry3d right = truthAt(drive, pair * kPeriod + drive.offset);
     errors.right_turn += vectorFromMotion(predicted->right.T_left_right.inverse() * to.inverse() * right)
@@ -229,6 +240,10 @@ Errors drivenWith(const Drive& drive) {
     errors.turn += error.tail<3>().squaredNorm();
     errors.motion_nees += error.dot(adjusted->motion.covariance.ldlt().solve(error)) / 6.0;
     errors.twist_nees += twist_error.dot(adjusted->twist.covariance.ldlt().solve(twist_error)) / 6.0;
+    errors.acceleration += acceleration_error.head<3>().squaredNorm();
+    errors.acceleration_nees +=
+        acceleration_error.dot(adjusted->twist.acceleration_covariance.ldlt().solve(acceleration_error)) /
+        6.0;
     errors.readout = adjusted->shared[kLeftReadout] - drive.readout;
     errors.readout_stddev = adjusted->shared_stddev[kLeftReadout];
   }
@@ -245,6 +260,8 @@ void expectConsistent(const Errors& errors) {
   EXPECT_GT(errors.motion_nees / errors.pairs, 0.6);
   EXPECT_LT(errors.motion_nees / errors.pairs, 1.3);
   EXPECT_LT(errors.twist_nees / errors.pairs, 1.3);
+  EXPECT_LT(errors.acceleration_nees / errors.pairs, 1.3);
+  EXPECT_LT(std::sqrt(errors.acceleration / errors.pairs), 1.0);  // m/s^2
 }
 
 // The simulations of the same measurements that stated the aims, with 600 landmarks and 0.085

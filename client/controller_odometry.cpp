@@ -59,6 +59,10 @@ double ControllerInput::command(double wanted, double safe) const {
 
 bool ControllerOdometry::add(const odometry_t& message, std::int64_t now_utime,
                              SteadyClock::time_point reception) {
+  if (!isIntact(message)) {
+    ++corrupted_;
+    return false;
+  }
   if (!newest_.add(message, reception)) return false;
   if (speaksAgainstThePast(message)) has_usable_ = false;
   if (judge(message, now_utime, settings_.limits) != OdometryVerdict::usable) return true;

@@ -10,7 +10,8 @@ constexpr std::chrono::seconds kRestartTime{2};  // a daemon does not restart tw
 }  // namespace
 
 bool NewestOdometry::add(const odometry_t& message, SteadyClock::time_point reception) {
-  const bool is_newer = message.sequence > message_.sequence ||
+  const bool same_source = message.source_id == message_.source_id;
+  const bool is_newer = (same_source && message.sequence > message_.sequence) ||
                         message.publication_utime > message_.publication_utime ||
                         reception - last_reception_ > silence_;
   if (kept_ > 0 && !is_newer) {
@@ -26,7 +27,7 @@ bool NewestOdometry::add(const odometry_t& message, SteadyClock::time_point rece
 
 /// Counts what happened between the kept message and the next one.
 void NewestOdometry::countSince(const odometry_t& message, SteadyClock::time_point reception) {
-  const bool has_restarted = message.sequence <= message_.sequence;
+  const bool has_restarted = message.source_id != message_.source_id || message.sequence <= message_.sequence;
   if (has_restarted || message.reset_counter != message_.reset_counter) ++epoch_;
   if (has_restarted) {
     second_restart_ = last_restart_;

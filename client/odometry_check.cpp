@@ -52,6 +52,8 @@ const char* verdictText(OdometryVerdict verdict) {
       return "valid, but with senseless numbers";
     case OdometryVerdict::uncertain:
       return "valid, but a bound exceeds the controller's limit";
+    case OdometryVerdict::corrupted:
+      return "valid, but changed on its way";
     case OdometryVerdict::late:
       return "late";
     case OdometryVerdict::future:
@@ -96,6 +98,7 @@ OdometryVerdict judge(const odometry_t& message, std::int64_t now_utime, const O
       message.time_to_live_us > 0 && message.time_to_live_us <= limits.max_time_to_live_us;
   if (!has_time_to_live || !hasPossibleMotion(message, limits)) return OdometryVerdict::senseless;
   if (!isCertainEnough(message, limits)) return OdometryVerdict::uncertain;
+  if (!isIntact(message)) return OdometryVerdict::corrupted;
   const std::int64_t age = ageUs(message, now_utime);
   if (age < -limits.max_future_us) return OdometryVerdict::future;
   return age <= std::min(message.time_to_live_us, limits.max_age_us) ? OdometryVerdict::usable

@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include <cartvo/client.hpp>
+
 #include "common/host_clock.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 
@@ -151,6 +153,7 @@ const odometry_t& OdometryPublisher::send(const odometry_t& message) {
     last_.reasons = odometry_t::REASON_OFFSET_UNCERTAIN;
     eraseMeasurements(last_);
   }
+  last_.crc32 = client::contentCrc(last_);
   if (!sender_.publish(kOdometryChannel, last_)) ++failures_;
   return last_;
 }

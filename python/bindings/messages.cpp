@@ -1,7 +1,9 @@
 // LCM messages of cartvod, for Python.
 #include <algorithm>
 #include <string>
+#include <type_traits>
 
+#include <cartvo/client.hpp>
 #include <cartvo/health_t.hpp>
 #include <cartvo/odometry_t.hpp>
 #include <pybind11/pybind11.h>
@@ -19,7 +21,8 @@ namespace py = pybind11;
 namespace cartvo::python {
 namespace {
 
-/// The message in `data`, which must be all of it. Throws ValueError if it is none of this type.
+/// The message in `data`, which must be all of it. Throws ValueError if it is none of this type, or an
+/// odometry message that is not intact.
 template <typename Message>
 Message decode(const py::buffer& data) {
   const py::buffer_info bytes = data.request();
@@ -33,6 +36,10 @@ Message decode(const py::buffer& data) {
   if (used < 0 || used != bytes.size) {
     throw py::value_error(std::to_string(bytes.size) + " bytes are not a message of type " + type +
                           ": another channel, another version of cartvo, or cut short");
+  }
+  if constexpr (std::is_same_v<Message, odometry_t>) {
+    if (!client::isIntact(message))
+      throw py::value_error(type + ": changed on its way, its check sum is another");
   }
   return message;
 }

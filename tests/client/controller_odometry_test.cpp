@@ -14,6 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using test::invalidMessage;
+using test::sealed;
 using test::validMessage;
 
 constexpr std::int64_t kStart = test::kMessageUtime;
@@ -209,12 +210,26 @@ TEST_F(ControllerOdometryTest, DoesNotUseSenselessMessages) {
   for (const double value : {kNan, std::numeric_limits<double>::infinity(), 1e9}) {
     odometry_t message = validMessage(sequence_++, now_);
     message.velocity_body[0] = value;
-    add(message);
+    add(sealed(message));
     const ControllerInput after = input();
     EXPECT_EQ(after.verdict, OdometryVerdict::senseless);
     EXPECT_DOUBLE_EQ(after.motion.velocity[0], 3.0);
   }
   EXPECT_EQ(run(1'000'000).state, InputState::safe);
+}
+
+/// Not even what it says of frozen cameras, of its sequence or of an invalid state.
+TEST_F(ControllerOdometryTest, LeavesOutMessagesThatAreNotIntact) {
+  drive();
+  for (odometry_t message : {validMessage(sequence_ + 1000, now_), validMessage(0, now_),
+                             invalidMessage(sequence_, now_, odometry_t::REASON_REPEATED_PICTURE)}) {
+    message.velocity_body[0] = 1.0;
+    EXPECT_FALSE(add(message));
+  }
+  EXPECT_EQ(odometry_.corrupted(), 3u);
+  EXPECT_EQ(odometry_.newest().lost(), 0);
+  EXPECT_DOUBLE_EQ(input().motion.velocity[0], 3.0);
+  EXPECT_EQ(input().state, InputState::measured);
 }
 
 TEST_F(ControllerOdometryTest, TheCommandIsAlwaysFinite) {
@@ -252,7 +267,7 @@ TEST_F(ControllerOdometryTest, SaysWhenThePoseBeganAgain) {
   const std::int64_t before = input().epoch;
   odometry_t message = validMessage(sequence_++, now_);
   message.reset_counter = 7;
-  add(message);
+  add(sealed(message));
   EXPECT_EQ(input().epoch, before + 1);
 }
 
@@ -263,7 +278,7 @@ TEST_F(ControllerOdometryTest, TheEpochIsThatOfTheMotion) {
     advance(kCycle_us);
     odometry_t message = invalidMessage(i, now_, odometry_t::REASON_FIRST_PAIR);
     message.reset_counter = 7;
-    EXPECT_TRUE(add(message)) << "of a daemon that has restarted";
+    EXPECT_TRUE(add(sealed(message))) << "of a daemon that has restarted";
     const ControllerInput between = input();
     EXPECT_EQ(between.state, InputState::measured);
     EXPECT_EQ(between.epoch, before.epoch) << "the motion is still that of the run before";
@@ -272,7 +287,7 @@ TEST_F(ControllerOdometryTest, TheEpochIsThatOfTheMotion) {
   advance(kCycle_us);
   odometry_t message = validMessage(3, now_);
   message.reset_counter = 7;
-  add(message);
+  add(sealed(message));
   EXPECT_EQ(input().epoch, before.epoch + 1);
 }
 

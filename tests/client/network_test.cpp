@@ -38,6 +38,7 @@ class Publisher {
     for (std::int64_t sequence = 0; !is_over_; ++sequence) {
       odometry_t message = test::validMessage(sequence, nowUtime());
       message.angular_velocity_body[2] = -0.5;
+      message = test::sealed(message);
       lcm.publish(kOdometryChannel, &message);
       std::this_thread::sleep_for(milliseconds(20));
     }

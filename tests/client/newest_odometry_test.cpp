@@ -62,6 +62,21 @@ TEST_F(NewestOdometryTest, FindsTwoDaemonsButNotARestart) {
   EXPECT_FALSE(newest_.hasTwoPublishers(time_ + std::chrono::seconds(2))) << "one of them has ended";
 }
 
+TEST_F(NewestOdometryTest, TellsTwoDaemonsApartByTheirSource) {
+  odometry_t first = validMessage(1000, kNow), other = validMessage(1001, kNow - 50'000);
+  first.source_id = 1;
+  other.source_id = 2;
+  EXPECT_TRUE(add(first));
+  EXPECT_FALSE(add(other)) << "published before the newest one, whatever its sequence";
+  for (odometry_t* const message : {&other, &first, &other}) {
+    message->sequence += 10;
+    message->publication_utime = newest_.message().publication_utime + 1000;
+    EXPECT_TRUE(add(*message));
+  }
+  EXPECT_TRUE(newest_.hasTwoPublishers(time_));
+  EXPECT_EQ(newest_.epoch(), 3);
+}
+
 TEST_F(NewestOdometryTest, CountsEpochsByResetCounterAndRestart) {
   odometry_t message = validMessage(5);
   add(message);

@@ -1,8 +1,11 @@
 // Tests of the checks of one message: what makes it unusable.
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <limits>
+#include <random>
+#include <vector>
 
 #include <cartvo/client.hpp>
 #include <gtest/gtest.h>
@@ -12,6 +15,7 @@
 namespace cartvo::client {
 namespace {
 
+using test::sealed;
 using test::validMessage;
 
 constexpr std::int64_t kNow = test::kMessageUtime;
@@ -69,7 +73,7 @@ TEST(OdometryCheck, RefusesWhatAValidMessageCannotHold) {
 TEST(OdometryCheck, RefusesAValidMessageWithAReasonAgainstIt) {
   odometry_t message = validMessage();
   message.reasons = odometry_t::REASON_ZERO_VELOCITY;
-  EXPECT_EQ(judge(message, kNow), OdometryVerdict::usable);
+  EXPECT_EQ(judge(sealed(message), kNow), OdometryVerdict::usable);
   const std::array<std::int32_t, 5> against{
       odometry_t::REASON_NO_PAIR, odometry_t::REASON_REPEATED_PICTURE,
       (+odometry_t::REASON_ZERO_VELOCITY) | (+odometry_t::REASON_HIGH_RESIDUAL), 1 << 30, -1};
@@ -110,10 +114,59 @@ TEST(OdometryCheck, BoundsTimeToLiveAndAge) {
     EXPECT_EQ(judge(message, kNow), OdometryVerdict::senseless) << time_to_live;
   }
   message.time_to_live_us = 5'000'000;
+  message = sealed(message);
   EXPECT_EQ(judge(message, kNow + 1'000'000), OdometryVerdict::usable);
   EXPECT_EQ(judge(message, kNow + 1'000'001), OdometryVerdict::late) << "the controller's own limit";
   EXPECT_EQ(judge(message, kNow - 10'000), OdometryVerdict::usable) << "clocks of two computers";
   EXPECT_EQ(judge(message, kNow - 10'001), OdometryVerdict::future);
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes encoded(const odometry_t& message) {
+  Bytes bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+/// The verdict on bytes as a controller receives them; those that are no message count as corrupted.
+OdometryVerdict judgeBytes(const Bytes& bytes) {
+  odometry_t message{};
+  const auto size = static_cast<int>(bytes.size());
+  return message.decode(bytes.data(), 0, size) == size ? judge(message, kNow) : OdometryVerdict::corrupted;
+}
+
+TEST(OdometryCheck, RefusesEachFlippedBit) {
+  const Bytes intact = encoded(validMessage());
+  ASSERT_EQ(judgeBytes(intact), OdometryVerdict::usable);
+  for (std::size_t bit = 0; bit < 8 * intact.size(); ++bit) {
+    Bytes bytes = intact;
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+    ASSERT_NE(judgeBytes(bytes), OdometryVerdict::usable) << bit;
+  }
+}
+
+/// A CRC misses one of 2^32 random changes; these are the same at each run.
+TEST(OdometryCheck, RefusesDamagedAndMixedMessages) {
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t end) {
+    return std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
+  };
+  const Bytes intact = encoded(validMessage()), other = encoded(validMessage(2, kNow + 50'000));
+  for (int i = 0; i < 200'000; ++i) {
+    Bytes bytes = intact;
+    const std::size_t from = below(bytes.size()), to = from + 1 + below(bytes.size() - from);
+    if (i % 2 == 0) {  // as of two messages
+      std::copy(other.begin() + static_cast<std::ptrdiff_t>(from),
+                other.begin() + static_cast<std::ptrdiff_t>(to),
+                bytes.begin() + static_cast<std::ptrdiff_t>(from));
+    } else {
+      for (std::size_t at = from; at < to; ++at)
+        bytes[at] = static_cast<std::uint8_t>(random());
+    }
+    if (bytes == intact || bytes == other) continue;
+    ASSERT_NE(judgeBytes(bytes), OdometryVerdict::usable) << i;
+  }
 }
 
 }  // namespace

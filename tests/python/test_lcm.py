@@ -1,5 +1,6 @@
 """Messages of cartvod, as it sent them, and bytes that are none."""
 import random
+import zlib
 
 import cartvo.lcm
 import numpy as np
@@ -29,6 +30,7 @@ def test_odometry(odometry_bytes):
         assert bound.shape == (3,) and np.all(bound > 0.0)
     moves = "zero velocity" not in message.reasons
     assert np.all(np.isfinite(message.acceleration) == moves) and message.acceleration_covariance.shape == (3, 3)
+    assert zlib.crc32(odometry_bytes[:-4]) == int.from_bytes(odometry_bytes[-4:], "big"), "the message's own check sum"
     assert message.encode() == odometry_bytes
     assert cartvo.lcm.decode_odometry(bytearray(odometry_bytes)).utime == message.utime
     assert cartvo.lcm.decode_odometry(memoryview(odometry_bytes)).utime == message.utime
@@ -56,6 +58,14 @@ def test_other_bytes_are_refused(odometry_bytes, health_bytes):
             decode(memoryview(data)[::2])
     with pytest.raises(ValueError):
         cartvo.lcm.decode_odometry(health_bytes)
+
+
+def test_damaged_odometry_is_refused(odometry_bytes):
+    for at in range(len(odometry_bytes)):
+        damaged = bytearray(odometry_bytes)
+        damaged[at] ^= 1 + at % 255
+        with pytest.raises(ValueError, match="changed on its way|are not a message"):
+            cartvo.lcm.decode_odometry(damaged)
 
 
 def test_damaged_bytes_crash_nothing(health_bytes):

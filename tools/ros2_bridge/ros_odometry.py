@@ -4,17 +4,19 @@ REP-103, REP-105: the pose is that of base_link in odom, the twist is in the axe
 of base_link: x forward, y left, z up.
 """
 import dataclasses
+import zlib
 
 CHANNEL = b"CARTVO_ODOMETRY"
 MAGIC_SHORT_MESSAGE = b"LC02"  # of LCM's UDP packets; cartvo's messages are never fragmented
 
 
 def message_of_packet(packet, decode):
-    """The odometry in a packet of LCM, by lcm-gen's odometry_t.decode; None for other channels and other types."""
+    """The odometry in a packet of LCM, by lcm-gen's odometry_t.decode; None for other channels and other types, and for one that was
+    changed on its way: its last four bytes are the CRC-32 of the others."""
     if packet[:4] != MAGIC_SHORT_MESSAGE:
         return None
     channel, _, body = packet[8:].partition(b"\0")
-    if channel != CHANNEL:
+    if channel != CHANNEL or zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "big"):
         return None
     try:
         return decode(body)

@@ -59,6 +59,7 @@ enum class OdometryVerdict : std::uint8_t {
                  ///< the two defined
   senseless,     ///< a number that is not finite, not possible, or negative where it cannot be
   uncertain,     ///< a bound exceeds the controller's own alert limit
+  corrupted,     ///< changed since it was published: the check sum is another
   late,          ///< older than its time to live or than the controller accepts
   future,        ///< exposed after now: a clock is wrong
 };
@@ -71,6 +72,12 @@ bool hasPossibleMotion(const odometry_t& message, const OdometryLimits& limits =
 
 /// Whether each bound is at most the controller's own limit.
 bool isCertainEnough(const odometry_t& message, const OdometryLimits& limits);
+
+/// CRC-32 (IEEE 802.3, as in Ethernet and zlib) of the message's LCM encoding without its last field, crc32,
+/// which cartvod sets to it.
+std::int32_t contentCrc(const odometry_t& message);
+/// Whether the message is as it was published.
+bool isIntact(const odometry_t& message);
 
 /// Whether the message says VALID, and nothing in it speaks against that.
 bool isConsistent(const odometry_t& message);
@@ -116,8 +123,9 @@ Motion extrapolate(const odometry_t& message, std::int64_t utime, const MotionNo
 // Selection of the newest message.
 
 /// Keeps the newest of the received messages. UDP can repeat and reorder messages. A message is newer if its
-/// sequence is higher, or if the daemon has restarted: a lower sequence that was published later. Others are
-/// ignored, unless nothing newer came for `silence`: then the daemon's clock may have been set back.
+/// sequence is higher than that of the same source, or if the daemon has restarted: another source or a lower
+/// sequence that was published later. Others are ignored, unless nothing newer came for `silence`: then the
+/// daemon's clock may have been set back.
 class NewestOdometry {
  public:
   explicit NewestOdometry(std::chrono::milliseconds silence = std::chrono::seconds(1)) : silence_(silence) {}
@@ -141,8 +149,8 @@ class NewestOdometry {
   /// two epochs are not related; velocities are not affected.
   std::int64_t epoch() const { return epoch_; }
 
-  /// Whether two programs publish odometry: within the last two seconds the sequence went back more than
-  /// once. Their poses are not related, and either may be the wrong one.
+  /// Whether two programs publish odometry: within the last two seconds the source changed, or the sequence
+  /// went back, more than once. Their poses are not related, and either may be the wrong one.
   bool hasTwoPublishers(SteadyClock::time_point now) const;
 
  private:
@@ -203,13 +211,16 @@ class ControllerOdometry {
       : settings_(settings), newest_(settings.silence) {}
 
   /// Takes a message that was received at `reception`, `now_utime` by the system clock. Returns whether it
-  /// is newer than the ones before.
+  /// is intact and newer than the ones before.
   bool add(const odometry_t& message, std::int64_t now_utime, SteadyClock::time_point reception);
 
   /// The input at `now`, `now_utime` by the system clock. Called once per cycle, because it moves the ramp.
   ControllerInput input(std::int64_t now_utime, SteadyClock::time_point now);
 
   const NewestOdometry& newest() const { return newest_; }
+
+  /// Number of messages that were left out because they were not intact.
+  std::uint64_t corrupted() const { return corrupted_; }
 
  private:
   bool canUse(std::int64_t now_utime, SteadyClock::time_point now) const;
@@ -220,6 +231,7 @@ class ControllerOdometry {
   odometry_t usable_{};            ///< the last usable message
   std::int64_t usable_epoch_ = 0;  ///< its epoch
   bool has_usable_ = false;
+  std::uint64_t corrupted_ = 0;
   bool was_measured_ = false;  ///< an input was `measured` before
   Motion motion_;              ///< of the last input that was `measured`
   std::int64_t motion_epoch_ = 0;
@@ -252,6 +264,9 @@ class OdometryClient {
   ControllerInput input() { return odometry_.input(nowUtime(), SteadyClock::now()); }
 
   const NewestOdometry& newest() const { return odometry_.newest(); }
+
+  /// See ControllerOdometry.
+  std::uint64_t corrupted() const { return odometry_.corrupted(); }
 
   /// Number of messages that could not be decoded: the daemon is of a release with another odometry_t.
   std::uint64_t undecodable() const { return undecodable_; }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <cartvo/client.hpp>
 #include <gtest/gtest.h>
 
 #include "common/host_clock.hpp"
@@ -93,6 +94,7 @@ TEST(OdometryMessage, NamesItsSourceByANumberOfItsOwn) {
   const std::int64_t id = first.publish(validResult()).source_id;
   EXPECT_GT(id, 0);
   EXPECT_EQ(first.publish(pipeline::NoPair{}).source_id, id);
+  EXPECT_TRUE(client::isIntact(first.publish(validResult())));
   EXPECT_NE(second.publish(validResult()).source_id, id);
 }
 

@@ -3,12 +3,18 @@
 #include <cstdint>
 #include <limits>
 
-#include <cartvo/odometry_t.hpp>
+#include <cartvo/client.hpp>
 
 namespace cartvo::test {
 
 constexpr std::int64_t kMessageUtime = 1'000'000'000;  ///< default instant of `validMessage`, us
 constexpr std::int64_t kTimeToLive_us = 250'000;       ///< of `validMessage`
+
+/// The message with the check sum of its content.
+inline odometry_t sealed(odometry_t message) {
+  message.crc32 = client::contentCrc(message);
+  return message;
+}
 
 /// A VALID message of a cart that drives ahead at 3 m/s, with bounds of half their limits; published 20 ms
 /// after its exposure.
@@ -29,7 +35,7 @@ inline odometry_t validMessage(std::int64_t sequence = 1, std::int64_t utime = k
   }
   message.orientation_world_body[0] = 1.0;
   message.velocity_body[0] = 3.0;
-  return message;
+  return sealed(message);
 }
 
 /// As the daemon publishes it: no velocities.
@@ -41,7 +47,7 @@ inline odometry_t invalidMessage(std::int64_t sequence, std::int64_t utime, std:
   for (double* values : {message.velocity_body, message.angular_velocity_body, message.velocity_bound,
                          message.angular_rate_bound, message.motion_bound, message.rotation_bound})
     values[0] = values[1] = values[2] = std::numeric_limits<double>::quiet_NaN();
-  return message;
+  return sealed(message);
 }
 
 }  // namespace cartvo::test

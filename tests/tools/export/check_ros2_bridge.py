@@ -11,6 +11,7 @@ import sys
 import tempfile
 import types
 import unittest
+import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tools/ros2_bridge"))
@@ -76,6 +77,10 @@ class Conversion(unittest.TestCase):
             setattr(message, name, value)
         return message
 
+    def packet(self, sequence):
+        body = self.message(sequence).encode()[:-4]
+        return b"LC02\0\0\0\1CARTVO_ODOMETRY\0" + body + zlib.crc32(body).to_bytes(4, "big")
+
     def test_pose_in_odom_and_twist_in_base_link(self):
         values = ros_odometry.OdometryConverter().convert(self.message(1))
         self.assertEqual(values.stamp, (1700000000, 123456000))
@@ -105,17 +110,17 @@ class Conversion(unittest.TestCase):
         self.assertAlmostEqual(restarted.position[1], 4.0)
 
     def test_packets(self):
-        body = self.message(1).encode()
-        packet = b"LC02\0\0\0\1CARTVO_ODOMETRY\0" + body
+        packet = self.packet(1)
         self.assertEqual(ros_odometry.message_of_packet(packet, odometry_t.decode).sequence, 1)
+        body = packet[24:]
         for other in (b"", b"LC03" + packet[4:], b"LC02\0\0\0\1OTHER\0" + body, packet[:40],
-                      packet[:24] + b"\1" * len(body)):
+                      packet[:24] + b"\1" * len(body), packet[:100] + bytes([packet[100] ^ 1]) + packet[101:]):
             self.assertIsNone(ros_odometry.message_of_packet(other, odometry_t.decode))
 
     def test_node(self):
         published = []
         stand_in_for_ros(published)
-        opened = types.SimpleNamespace(packets=[b"LC02\0\0\0\1CARTVO_ODOMETRY\0" + self.message(1).encode()])
+        opened = types.SimpleNamespace(packets=[self.packet(1)])
 
         def receive(size):
             if opened.packets:

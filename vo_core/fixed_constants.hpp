@@ -67,6 +67,9 @@ namespace cartvo::vo {
   X(pitch_search, kRowNoise, 0.15, "px", "least error of rows, of good lenses")                            \
   X(pitch_search, kSearchInterval, 20, "pairs", "the search takes some milliseconds")                      \
   X(pitch_search, kMaximumPitch, 0.0105, "rad", "0.6 degrees, up to which self-calibration corrects")      \
+  X(track_start, kSpeed, 15.0, "m/s, rad/s", "stddev of an unknown velocity")                              \
+  X(track_start, kEstablished, 7.0, "nats",                                                                \
+    "odds of 1,000; a bus ahead that filled two thirds of the view reached 5")                             \
   X(track_adjustment, kLeastStereoShare, 0.2, "",                                                          \
     "of landmarks: a fifth of unrelated pictures, as of hot pixels, matches by chance")                    \
   X(track_adjustment, kStopTolerance, 2.0, "", "on the limits of a standstill, for the noise of a motion") \

@@ -99,6 +99,10 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   }
 }
 
+bool VisualTrack::isEstablished() const {
+  return log_odds_ >= track_start::kEstablished;
+}
+
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
   if (!timing_.mayRoll()) return std::nullopt;
   return estimates_.readouts;
@@ -182,6 +186,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
   if (standing_) {
     landmarks_when_stopped_ = motion.counts.matched;
     velocity_ = Vector6d::Zero();
+    log_odds_ = std::max(log_odds_, track_start::kEstablished);
   }
   return motion;
 }
@@ -288,7 +293,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   }
   motion.counts.inliers = found->inliers;
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
-  motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found);
+  motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found, motion);
   if (motion.evidence.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
@@ -300,25 +305,30 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   return true;
 }
 
-/// Finds another pose that explains more than half as much as the pose found does, without what fits both.
-/// Unless the pose found is a first one with few inliers, its own landmarks must keep their place in the
-/// image, too, as on a part of the cart.
-std::optional<AlternativePose> VisualTrack::findLikelyAlternative(const FoundPose& found) {
-  const bool is_weak = !velocity_ && found.inlier_ratio < kUnambiguousShare;
-  if (!is_weak && countStillInliers(pose_problem_) == 0) return std::nullopt;
+/// Finds another pose that explains more than half as much as the pose found does, without what fits both, if
+/// the pose found rests on landmarks that keep their place in the image, as on a part of the cart.
+std::optional<AlternativePose> VisualTrack::findLikelyAlternative() {
+  if (countStillInliers(pose_problem_) == 0) return std::nullopt;
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
   auto other = pose_finder_.findAlternative(pose_problem_, settings_.pose_search,
                                             settings_.validity.minimum_inliers, random);
   if (!other || other->weight <= kMajority * other->weight_of_found) return std::nullopt;
-  if (!is_weak && other->still_of_found <= kMajority * other->weight_of_found) return std::nullopt;
+  if (other->still_of_found <= kMajority * other->weight_of_found) return std::nullopt;
   return other;
 }
 
-/// Whether the landmarks may as well show another pose. If the last motion is known, the cart must be able to
-/// make the other one since the last pair without an alternative: a standstill hides a slow departure at
-/// first.
-bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) {
-  const auto other = findLikelyAlternative(found);
+/// Whether the landmarks may as well show another pose. Until the track is established, nothing but their
+/// number tells the world from vehicles that fill most of the view. Then the cart must be able to make the
+/// other motion since the last pair without an alternative: a standstill hides a slow departure at first.
+bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found, TrackedMotion& motion) {
+  if (!isEstablished()) {
+    const bool has_other = opposes(found, motion);
+    if (has_other && found.inlier_ratio < kUnambiguousShare) {
+      log_odds_ = 0.0;
+      return true;
+    }
+  }
+  const auto other = findLikelyAlternative();
   if (!other) {
     unambiguous_ns_ = pair.left_exposure_ns;
     return false;
@@ -326,6 +336,21 @@ bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found) 
   const double step = seconds(pair.left_exposure_ns - unambiguous_ns_);
   const Vector6d change = vectorFromMotion(pose_problem_.expected.inverse() * other->T_world_camera);
   return !velocity_ || canStop(change / step, step);
+}
+
+/// Whether outliers agree on another pose, whatever the cart can do. Sets the odds of the pose found: its
+/// inliers against all outliers, or, if there is no other pose, against fewer than such a one needs.
+bool VisualTrack::opposes(const FoundPose& found, TrackedMotion& motion) {
+  SubsetRandom random(settings_.seed);
+  const int needed = settings_.validity.minimum_inliers;
+  const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
+  const bool has_other =
+      pose_finder_.findAlternative(pose_problem_, settings_.pose_search, needed, random).has_value();
+  pose_problem_.admissible_change = gate;
+  const int outliers = static_cast<int>(chosen_.size()) - found.inliers;
+  const int against = has_other ? outliers : std::min(outliers, needed);
+  motion.log_odds = std::log(static_cast<double>(found.inliers) / std::max(against, 1));
+  return has_other;
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

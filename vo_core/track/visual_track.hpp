@@ -46,17 +46,23 @@ struct TrackedMotion {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   /// Covariance of the motion (m and rad, perturbations on the right) by the window, by a standstill, or by
-  /// the pose where that ended, and by the shifts of key frames that were removed from it.
-  Matrix6d by_window = Matrix6d::Zero(), by_standstill = Matrix6d::Zero(), by_codec_shift = Matrix6d::Zero();
+  /// the pose where that ended, by the shifts of key frames that were removed from it, and by a track that is
+  /// not established.
+  Matrix6d by_window = Matrix6d::Zero(), by_standstill = Matrix6d::Zero(), by_codec_shift = Matrix6d::Zero(),
+           by_doubt = Matrix6d::Zero();
   double codec_inflation = 1.0;        ///< factor on that by the window: PreparedPair::pose_noise_inflation
   bool noise_is_uncalibrated = false;  ///< one of the first motions: their noise is still an assumption
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
+  double log_odds =
+      0.0;  ///< that the landmarks of the motion are those of the world; before it is established
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
   Vector6d stddevByWindow() const { return by_window.diagonal().cwiseMax(0.0).cwiseSqrt(); }
-  Matrix6d covariance() const { return codec_inflation * by_window + by_standstill + by_codec_shift; }
+  Matrix6d covariance() const {
+    return codec_inflation * by_window + by_standstill + by_codec_shift + by_doubt;
+  }
 };
 
 /// Squares of changes of estimates over their variances, by component.
@@ -89,6 +95,9 @@ class VisualTrack {
   const Eigen::Isometry3d& pose() const { return window_.back().T_world_camera; }
   const Matrix6d& poseCovariance() const { return window_.back().pose_covariance; }
   bool hasMotion() const { return velocity_.has_value(); }
+  /// Whether the landmarks of the motion are those of the world. A track that begins in motion among vehicles
+  /// may follow one of these; the next pairs tell.
+  bool isEstablished() const;
   std::int64_t lastExposure() const { return last_exposure_ns_; }  ///< ns, of the last tracked pair
   int landmarkCount() const { return static_cast<int>(landmarks_.size()); }
   /// Adds the landmarks that the pair with this index observed.
@@ -137,8 +146,9 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  std::optional<AlternativePose> findLikelyAlternative(const FoundPose& found);
-  bool isAmbiguous(const PreparedPair& pair, const FoundPose& found);
+  std::optional<AlternativePose> findLikelyAlternative();
+  bool isAmbiguous(const PreparedPair& pair, const FoundPose& found, TrackedMotion& motion);
+  bool opposes(const FoundPose& found, TrackedMotion& motion);
   std::optional<FoundPose> findPose();
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
@@ -162,6 +172,7 @@ class VisualTrack {
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
+  void addDoubt(TrackedMotion& motion);
   bool restartAfterBump(Draft& draft);
   void updateErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
   void updateLandmarks(Draft& draft);
@@ -184,6 +195,7 @@ class VisualTrack {
   int landmarks_when_stopped_ = 0;  ///< matched by the first pair of the standstill
   std::vector<Landmark> landmarks_;
   std::vector<WindowFrame> window_;   ///< oldest first; never empty
+  double log_odds_ = 0.0;             ///< sum of TrackedMotion::log_odds
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
   Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByWindow() of the last motion
   std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair

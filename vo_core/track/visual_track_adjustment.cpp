@@ -120,6 +120,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
 
+  addDoubt(motion);
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByWindow();
   timing_.use(draft.estimates.readouts);
@@ -129,6 +130,18 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   std::swap(estimates_, draft.estimates);
   track_window_.accept();
   accept(pair, draft);
+}
+
+/// Until the track is established, adds to the covariances that the cart may have any speed, with the
+/// probability that the landmarks are not those of the world. The odds of pairs count as independent.
+void VisualTrack::addDoubt(TrackedMotion& motion) {
+  if (isEstablished()) return;
+  log_odds_ += motion.log_odds;
+  if (isEstablished()) return;
+  const double probability = 1.0 / (1.0 + std::exp(log_odds_));
+  const double variance = probability * track_start::kSpeed * track_start::kSpeed;
+  motion.by_doubt.diagonal().array() += variance * motion.time_step * motion.time_step;
+  motion.twist->covariance.diagonal().array() += variance;
 }
 
 /// Whether the right camera has been turned since the last pair: the rows of most of its matches are

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/reprojection.hpp"
 #include "vo_core/geometry/rig_correction.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 constexpr double kLeastJerk = 1.0;     // m/s^3 and rad/s^3
 constexpr double kJerkFreedom = 6.0;   // of the first values
 constexpr double kGaugeStddev = 1e-6;  // m and rad, of a track's first pose
-constexpr double kSpeed = 15.0;        // m/s and rad/s, stddev at a track's start
 constexpr double kLeastStddev = 1e-8;  // of a shared state that is known
 constexpr double kMargin = 5e-3;       // s, that the trajectory exceeds the rows by
 constexpr double kReadoutRoom = 1.3;   // of a readout that may grow
@@ -125,7 +125,8 @@ void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   gauge.topRows<3>() = rotation * gauge.topRows<3>();
   gauge.leftCols<3>() = gauge.leftCols<3>() * rotation.transpose();
   gauge.diagonal().array() += kGaugeStddev * kGaugeStddev;
-  tieToStart(0.0, first.T_world_camera, gauge, input.rest.value_or(Vector6d::Constant(kSpeed)), problem);
+  tieToStart(0.0, first.T_world_camera, gauge, input.rest.value_or(Vector6d::Constant(track_start::kSpeed)),
+             problem);
 }
 
 /// Moves the landmarks that are no longer seen into the prior, with a full window the oldest pair too.

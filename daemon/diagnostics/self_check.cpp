@@ -88,14 +88,13 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
 std::string SelfCheck::stereoFaultMessage() const {
   for (const vo::StereoFaultText& text : vo::kStereoFaults)
     if (text.fault == reportedFault()) return text.sentence;
-  return {};
+  // If an angle causes the missing matches, message() reports the angle. Otherwise only the missing matches:
+  // an estimate from few matches is not worth its space in the message.
+  return areMatchesMissing() && !anglesCauseMissingMatches() ? matches_.message() : std::string();
 }
 
 std::string SelfCheck::message() const {
   if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
-  // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
-  // estimate from few matches is not worth its space in the message.
-  if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
   if (offset.empty() && angles.empty()) {

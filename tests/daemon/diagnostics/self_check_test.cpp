@@ -154,8 +154,8 @@ TEST(SelfCheck, SignalsEachChangeOnce) {
 TEST(SelfCheck, ReportsMissingStereoMatches) {
   SelfCheck check;
   drive(check, 1000, 13);
-  EXPECT_THAT(check.message(),
-              HasSubstr("hardly any corner of the left picture is found in the right one (13 of 1000)"));
+  EXPECT_THAT(check.message(), HasSubstr("hardly any corner of the left picture is found in the right one"));
+  EXPECT_EQ(check.stereoFaultMessage(), check.message());
   EXPECT_LE(check.message().size(), 200U) << "limit of health_t.self_check";
   EXPECT_TRUE(check.consumeChange());
   check.update(pairWith(60, 1000, 400));
@@ -187,7 +187,7 @@ TEST(SelfCheck, IgnoresRejectedPair) {
   vo::OdometryEstimate refused = pairWith(60, 0, 0);
   refused.reasons = vo::OdometryReason::offset_uncertain;
   check.update(refused);
-  EXPECT_THAT(check.message(), HasSubstr("13 of 1000"));
+  EXPECT_THAT(check.message(), StartsWith("hardly any"));
 }
 
 TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {

@@ -18,6 +18,7 @@ namespace {
 using namespace std::string_literals;
 using test::kEthernetFrame;
 using test::validResult;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -106,6 +107,8 @@ TEST(HealthMessage, NamesDarknessAndCoveredLensesWhileTheOdometryIsInvalid) {
   EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::none), "");
   EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::offset_uncertain), "");
   EXPECT_EQ(problemOf({day, day}, kFewMatches), "");
+  EXPECT_THAT(problemOf({day, day}, vo::OdometryReason::too_few_features),
+              AllOf(StartsWith("left camera: "), HasSubstr("out of focus")));
 }
 
 TEST(HealthMessage, LeavesWhatTheOdometryDoesNotNeedUnsaidWhileItIsInvalid) {

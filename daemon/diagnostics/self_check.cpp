@@ -20,7 +20,7 @@ constexpr double kMinTimeOffset = 1e-3;
 constexpr double kMinAngle = 0.1 / kDegreesPerRadian;
 constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
-constexpr double kMinShownStddev = 0.01;                      // deg
+constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
 constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
@@ -34,7 +34,8 @@ constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
 std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
   return fmt::format(
       "the right camera is exposed {:.1f} ± {:.1f} ms {} than its timestamps say: check both cameras' clocks",
-      1e3 * std::abs(delay.value), 1e3 * delay.stddev, delay.value > 0.0 ? "later" : "earlier");
+      1e3 * std::abs(delay.value), std::max(kMinShownTimeStddev, 1e3 * delay.stddev),
+      delay.value > 0.0 ? "later" : "earlier");
 }
 
 }  // namespace

@@ -103,6 +103,8 @@ TEST(SelfCheck, ReportsTimeOffset) {
               HasSubstr("3.1 ± 0.4 ms later"));
   EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, -3.1e-3, 4e-4)),
               HasSubstr("3.1 ± 0.4 ms earlier"));
+  EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, 1.2e-3, 2e-5)),
+              HasSubstr("1.2 ± 0.1 ms later"));
 }
 
 TEST(SelfCheck, ReportsRotationOfRightCamera) {

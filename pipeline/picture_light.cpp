@@ -54,7 +54,9 @@ const FaultWords& wordsOf(LightFault fault) {
       {"the picture is dark",
        "is the lens covered, or is it dark? Uncover and clean it, add light, or allow more gain"},
       {"the picture shows hardly any texture",
-       "is the lens covered, dirty or fogged, or is there a plain wall before it? Uncover and clean it"},
+       "is the lens covered, dirty, fogged or out of focus, or is there a plain wall before it? Uncover, "
+       "clean "
+       "and focus it"},
       {"the picture is too bright", "reduce the exposure, or turn the camera away from the light"},
   }};
   return kWords[static_cast<std::size_t>(fault)];

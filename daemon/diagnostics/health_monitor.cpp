@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::size_t kMaxTextSize = 200;  // bytes, so that the message fits into one Ethernet frame
 constexpr std::size_t kMaxWindowPairs = 1024;
+// The number of features has recovered from another program's burst after 5 s at 18 Hz, see FeatureBudget.
+constexpr std::chrono::seconds kOverload{10};
 
 float residentMegabytes() {
   std::ifstream statm("/proc/self/statm");
@@ -73,14 +75,6 @@ camera_health_t cameraMessage(const capture::CameraHealth& health, const capture
   return message;
 }
 
-std::string overloadMessage(const health_t& message) {
-  if (message.features_least >= message.features_configured) return {};
-  return fmt::format(
-      "the computer is too slow: it uses {} instead of {} features to process each pair in time; stop other "
-      "programs, or reduce odometry.features",
-      message.features_least, message.features_configured);
-}
-
 /// `light`: HealthMonitor::lightProblem(). It comes before a frozen camera: a covered lens repeats its
 /// picture.
 std::string firstProblem(const HealthSnapshot& snapshot, const std::string& light) {
@@ -97,11 +91,19 @@ std::string firstProblem(const HealthSnapshot& snapshot, const std::string& ligh
   }
   if (!snapshot.clock.problem.empty()) return snapshot.clock.problem;
   if (!snapshot.pairing.empty()) return snapshot.pairing;
-  if (!snapshot.recording.empty()) return snapshot.recording;
-  if (!snapshot.frame_rate.empty()) return snapshot.frame_rate;
+  return snapshot.frame_rate;
+}
+
+/// A problem beside which the odometry is VALID. While it is not, it does not stand for the cause.
+std::string lesserProblem(const HealthSnapshot& snapshot, bool is_valid, bool is_overloaded) {
+  if (is_valid && !snapshot.recording.empty()) return snapshot.recording;
   if (!snapshot.left.advice.empty()) return "left camera: " + snapshot.left.advice;
   if (!snapshot.right.advice.empty()) return "right camera: " + snapshot.right.advice;
-  return snapshot.clock.advice;
+  if (!snapshot.clock.advice.empty() || !is_valid || !is_overloaded) return snapshot.clock.advice;
+  return fmt::format(
+      "the computer is too slow: it uses fewer than {} features to process each pair in time; stop other "
+      "programs, or reduce odometry.features",
+      snapshot.features);
 }
 
 void setClock(health_t& message, const capture::ClockStatus& clock) {
@@ -151,14 +153,15 @@ double decodeMilliseconds(const capture::FrameTimestamps& frame) {
 }  // namespace
 
 HealthMonitor::HealthMonitor(Clock::time_point start, const StatedReadouts& readouts)
-    : start_(start), last_(start), self_check_(readouts) {}
+    : start_(start), last_(start), last_all_features_(start), self_check_(readouts) {}
 
 void HealthMonitor::addPair(const pipeline::PairResult& result, const odometry_t& message) {
   ++(message.status == odometry_t::VALID ? valid_ : invalid_);
   light_.add(result, message);
   self_check_.setTexture(light_.hasTexture());
   self_check_.update(result.estimate);
-  window_.features = std::min(window_.features, result.features);
+  window_.least_features = std::min(window_.least_features, result.features);
+  window_.most_features = std::max(window_.most_features, result.features);
   window_.state = result.estimate.state;
   if (result.exceedsAlertLimit() && (!window_.worst || window_.worst->share() < result.worst->share()))
     window_.worst = result.worst;
@@ -201,16 +204,22 @@ health_t HealthMonitor::summarise(Clock::time_point now, const HealthSnapshot& s
   message.process_ms = static_cast<float>(percentile(window_.process, 0.5));
   message.memory_mb = residentMegabytes();
   message.features_configured = snapshot.features;
-  message.features_least = std::min(window_.features, snapshot.features);
+  message.features_least = std::min(window_.least_features, snapshot.features);
+  const bool has_pairs = window_.most_features > 0;
+  if (!has_pairs || window_.most_features >= snapshot.features) last_all_features_ = now;
   setSelfCheck(message, self_check_);
   if (message.self_check.empty()) message.self_check = shortened(snapshot.advice);
   setClock(message, snapshot.clock);
   light_problem_ = light_.consumeProblem();
   message.problem = shortened(firstProblem(snapshot, light_problem_));
   if (message.problem.empty()) message.problem = shortened(self_check_.stereoFaultMessage());
-  if (message.problem.empty()) message.problem = shortened(overloadMessage(message));
+  const bool is_valid = invalid_ - last_invalid_ <= valid_ - last_valid_;
+  if (message.problem.empty())
+    message.problem = shortened(lesserProblem(snapshot, is_valid, now - last_all_features_ >= kOverload));
 
   last_ = now;
+  last_valid_ = valid_;
+  last_invalid_ = invalid_;
   last_left_frames_ = snapshot.left.frames;
   last_right_frames_ = snapshot.right.frames;
   last_pairs_ = snapshot.counts.pairs;

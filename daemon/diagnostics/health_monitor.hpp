@@ -28,8 +28,8 @@ struct HealthSnapshot {
   capture::ClockStatus clock;
   std::string problem;     ///< the problem to fix first; empty: see the cameras' last errors
   int features = 0;        ///< as configured
-  std::string recording;   ///< why a configured recording is not written; after the cameras' problems
-  std::string pairing;     ///< as Pipeline::pairingProblem(); before the recording, after the clocks
+  std::string recording;   ///< why a configured recording is not written; named while the odometry is VALID
+  std::string pairing;     ///< as Pipeline::pairingProblem(); after the clocks
   std::string frame_rate;  ///< as frameRateProblem(); after that
   std::string advice;      ///< said in self_check while that has no fault
 };
@@ -58,17 +58,18 @@ class HealthMonitor {
  private:
   /// Statistics of the pairs since the last message.
   struct Window {
-    int features = std::numeric_limits<int>::max();       // smallest target number
-    vo::IntegrityState state = vo::IntegrityState::lost;  // after the last pair
-    std::optional<pipeline::LimitedBound> worst;          // of the pairs above an alert limit
+    int least_features = std::numeric_limits<int>::max(), most_features = 0;  // target numbers
+    vo::IntegrityState state = vo::IntegrityState::lost;                      // after the last pair
+    std::optional<pipeline::LimitedBound> worst;  // of the pairs above an alert limit
     std::vector<double> latency, process, offset, left_decode, right_decode;  // ms
   };
 
   Clock::time_point start_;
   Clock::time_point last_;
   Window window_;
-  std::int64_t valid_ = 0;
-  std::int64_t invalid_ = 0;
+  Clock::time_point last_all_features_;  // last message with a pair of all features, or with none
+  std::int64_t valid_ = 0, last_valid_ = 0;
+  std::int64_t invalid_ = 0, last_invalid_ = 0;
   std::uint64_t last_left_frames_ = 0;
   std::uint64_t last_right_frames_ = 0;
   std::uint64_t last_pairs_ = 0;

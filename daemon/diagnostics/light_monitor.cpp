@@ -16,6 +16,7 @@ void LightMonitor::add(const pipeline::PairResult& result, const odometry_t& mes
   if (message.status == odometry_t::VALID) return;
   for (std::size_t i = 0; i < light_.size(); ++i)
     if (pipeline::mayExplain(light_[i], static_cast<std::uint32_t>(message.reasons))) ++unlit_[i];
+  if ((message.reasons & odometry_t::REASON_TOO_FEW_FEATURES) != 0) ++featureless_;
 }
 
 bool LightMonitor::hasTexture() const {
@@ -26,7 +27,9 @@ std::string LightMonitor::consumeProblem() {
   std::array<LightFault, 2> faults{};
   for (std::size_t i = 0; i < light_.size(); ++i)
     if (2 * unlit_[i] > pairs_) faults[i] = pipeline::lightFault(light_[i]);
-  pairs_ = 0;
+  // Features are sought in the left picture. One that is out of focus has light and shade, but no corners.
+  if (faults == std::array<LightFault, 2>{} && 2 * featureless_ > pairs_) faults[0] = LightFault::blank;
+  pairs_ = featureless_ = 0;
   unlit_ = {};
   const LightFault fault = faults[0] != LightFault::none ? faults[0] : faults[1];
   if (fault == LightFault::none) return {};

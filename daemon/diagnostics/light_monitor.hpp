@@ -19,12 +19,13 @@ class LightMonitor {
   bool hasTexture() const;
 
   /// "left camera: the picture is dark: ..."; empty unless most pairs since the last call are INVALID for
-  /// reasons that the light of a camera explains: by night with lamps the odometry may well be VALID.
+  /// reasons that the light of a camera explains (by night with lamps the odometry may well be VALID), or for
+  /// want of features.
   std::string consumeProblem();
 
  private:
   std::array<pipeline::PictureLight, 2> light_{};  ///< as measured last
-  int pairs_ = 0;
+  int pairs_ = 0, featureless_ = 0;                ///< all, and INVALID with too few features
   std::array<int, 2> unlit_{};  ///< of them INVALID for reasons that each camera's light explains
 };
 

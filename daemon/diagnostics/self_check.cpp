@@ -20,7 +20,7 @@ constexpr double kMinTimeOffset = 1e-3;
 constexpr double kMinAngle = 0.1 / kDegreesPerRadian;
 constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
-constexpr double kMinShownStddev = 0.01;                      // deg
+constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
 constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
@@ -34,7 +34,8 @@ constexpr std::array<const char*, 4> kNames{"", "pitch", "yaw", "roll"};
 std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
   return fmt::format(
       "the right camera is exposed {:.1f} ± {:.1f} ms {} than its timestamps say: check both cameras' clocks",
-      1e3 * std::abs(delay.value), 1e3 * delay.stddev, delay.value > 0.0 ? "later" : "earlier");
+      1e3 * std::abs(delay.value), std::max(kMinShownTimeStddev, 1e3 * delay.stddev),
+      delay.value > 0.0 ? "later" : "earlier");
 }
 
 }  // namespace
@@ -88,14 +89,13 @@ void SelfCheck::updateRig(const vo::RigCalibrationError& rig) {
 std::string SelfCheck::stereoFaultMessage() const {
   for (const vo::StereoFaultText& text : vo::kStereoFaults)
     if (text.fault == reportedFault()) return text.sentence;
-  return {};
+  // If an angle causes the missing matches, message() reports the angle. Otherwise only the missing matches:
+  // an estimate from few matches is not worth its space in the message.
+  return areMatchesMissing() && !anglesCauseMissingMatches() ? matches_.message() : std::string();
 }
 
 std::string SelfCheck::message() const {
   if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
-  // If an angle causes the missing matches, report the angle. Otherwise report only the missing matches: an
-  // estimate from few matches is not worth its space in the message.
-  if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   const std::string angles = anglesMessage();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
   if (offset.empty() && angles.empty()) {

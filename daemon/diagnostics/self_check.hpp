@@ -31,7 +31,8 @@ class SelfCheck {
   /// which it may cause.
   std::string message() const;
 
-  /// The gross fault and what to do; empty if there is none.
+  /// The gross fault or the missing matches, without which there is no odometry, and what to do; empty if
+  /// there is neither.
   std::string stereoFaultMessage() const;
 
   /// True once after each change of the set of faults.

@@ -1,8 +1,6 @@
 // Detects missing stereo matches between the two cameras.
 #include "daemon/diagnostics/stereo_match_monitor.hpp"
 
-#include <fmt/format.h>
-
 namespace cartvo::daemon {
 namespace {
 
@@ -28,8 +26,7 @@ bool isObservable(const vo::OdometryReasons& reasons) {
 
 void StereoMatchMonitor::update(const vo::OdometryEstimate& estimate) {
   if (!isObservable(estimate.reasons)) return;
-  counts_ = estimate.counts;
-  if (counts_.detected < kMinCorners || !hasTooFewMatches(counts_)) {
+  if (estimate.counts.detected < kMinCorners || !hasTooFewMatches(estimate.counts)) {
     since_ns_.reset();
     missing_ = false;
     return;
@@ -42,10 +39,8 @@ void StereoMatchMonitor::update(const vo::OdometryEstimate& estimate) {
 
 std::string StereoMatchMonitor::message() const {
   if (!missing_) return {};
-  return fmt::format(
-      "hardly any corner of the left picture is found in the right one ({} of {}): check for a turned, "
-      "covered or defocused camera, swapped cameras, a wrong rig file, or a wall too near for both cameras",
-      counts_.stereo, counts_.detected);
+  return "hardly any corner of the left picture is found in the right one: check for a turned, covered or "
+         "defocused camera, swapped cameras, a wrong rig file, or a wall too near for both cameras";
 }
 
 }  // namespace cartvo::daemon

@@ -16,14 +16,13 @@ class StereoMatchMonitor {
   void update(const vo::OdometryEstimate& estimate);
 
   bool matchesMissing() const { return missing_; }
-  /// Possible causes, with the counts of the last pair; empty if matches are not missing.
+  /// Possible causes; empty if matches are not missing.
   std::string message() const;
 
  private:
   std::optional<std::int64_t> since_ns_;  ///< exposure of the first consecutive pair without matches
   std::int64_t last_ns_ = 0;              ///< exposure of the last one
   bool missing_ = false;
-  vo::FeatureCounts counts_;
 };
 
 }  // namespace cartvo::daemon

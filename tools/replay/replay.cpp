@@ -10,10 +10,10 @@
 #include "calib/rectification/rectifier.hpp"
 #include "capture/dataset/video_file_source.hpp"
 #include "capture/recording/recording_folder.hpp"
-#include "daemon/diagnostics/light_monitor.hpp"
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/configuration.hpp"
+#include "tools/replay/light_by_seconds.hpp"
 #include "vo_core/rigid_motion.hpp"
 
 namespace cartvo {
@@ -165,7 +165,7 @@ Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
   if (source.clock) settings.set_visual_offset = [&](const auto& offset) { source.clock->setVisual(offset); };
   pipeline::Pipeline pipeline(*source.left, *source.right, processor, settings);
   ContinuousPath path;
-  daemon::LightMonitor light;
+  LightBySeconds light;
   daemon::SelfCheck self_check({rig.rig.left.readout, rig.rig.right.readout});
   pipeline.replay({[&](const pipeline::PairResult& result) {
                      replay.pairs.push_back(toReplayedPair(result, left, path));
@@ -181,8 +181,8 @@ Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
   replay.self_check = self_check.message();
   if (source.clock) replay.clock = source.clock->status();
   replay.problems = source.warnings;
-  if (const std::string problem = light.consumeProblem(); !problem.empty())
-    replay.problems.push_back(problem);
+  for (std::string& problem : light.consumeProblems())
+    replay.problems.push_back(std::move(problem));
   for (const capture::CameraSource* camera : {source.left.get(), source.right.get()}) {
     if (const std::string error = camera->health().last_error; !error.empty())
       replay.problems.push_back(error);

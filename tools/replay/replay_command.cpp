@@ -147,6 +147,7 @@ void printSummary(const Options& options, const Replay& replay, const nlohmann::
               counted(replay.pairs.size(), "pair").c_str(), summary["valid"].get<std::size_t>(),
               summary["path_length_m"].get<double>(), summary["time_ms"]["total"]["median"].get<double>(),
               summary["time_ms"]["total"]["p99"].get<double>(), options.output.c_str());
+  std::printf("%s", invalidPairsText(replay).c_str());
   if (replay.timing) {
     std::printf("offset added to the right video's times: %+.2f ms (+- %.2f ms, by %s)%s\n",
                 1e3 * replay.timing->offset, 1e3 * replay.timing->stddev, replay.timing->found_by.c_str(),

@@ -192,6 +192,15 @@ Json bodyFromCameraJson(const calib::Rig& rig) {
 
 }  // namespace
 
+std::string invalidPairsText(const Replay& replay) {
+  const Json counts = pairsJson(replay)["invalid_by_reason"];
+  std::string text;
+  for (const vo::OdometryReasonText& reason : vo::kOdometryReasons)
+    if (counts.contains(reason.name))
+      text += (text.empty() ? "not valid: " : ", ") + counts[reason.name].dump() + " " + reason.words;
+  return text.empty() ? text : text + "\n";
+}
+
 std::string nothingValidText(const Replay& replay) {
   for (const ReplayedPair& pair : replay.pairs)
     if (pair.valid) return {};

@@ -12,6 +12,9 @@ namespace cartvo {
 /// dropped frames, processing times, path length, versions. `replay.pairs` must not be empty.
 nlohmann::ordered_json replaySummary(const ReplaySettings& settings, const Replay& replay);
 
+/// A line with the number of pairs that are not valid, by reason; empty if all are valid.
+std::string invalidPairsText(const Replay& replay);
+
 /// Why no pair is valid, by the most frequent reason, and what to look at. Empty if a pair is valid.
 std::string nothingValidText(const Replay& replay);
 

@@ -298,8 +298,8 @@ std::string foreignDefinitionText(bool odometry, bool health) {
 std::string adviceText(const health_t& message) {
   std::string text;
   if (!message.problem.empty()) text = "problem: " + message.problem;
-  if (!message.self_check.empty()) text += (text.empty() ? "" : "\n") + ("self-check: " + message.self_check);
-  return text;
+  if (message.self_check.empty() || message.self_check == message.problem) return text;
+  return text + (text.empty() ? "" : "\n") + "self-check: " + message.self_check;
 }
 
 std::string clockText(const health_t& message) {

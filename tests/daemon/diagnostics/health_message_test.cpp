@@ -18,6 +18,8 @@ namespace {
 using namespace std::string_literals;
 using test::kEthernetFrame;
 using test::validResult;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 HealthSnapshot snapshot(std::uint64_t frames) {
@@ -79,7 +81,7 @@ TEST(HealthMessage, NamesMostImportantProblem) {
 
 /// The problem after a second of pairs of the given light that are INVALID for `reason`, or VALID without.
 std::string problemOf(const std::array<pipeline::PictureLight, 2>& light, vo::OdometryReason reason,
-                      HealthSnapshot state = snapshot(18)) {
+                      const HealthSnapshot& state = snapshot(18)) {
   HealthMonitor monitor{{}};
   pipeline::PairResult result = validResult();
   result.light = light;
@@ -105,6 +107,26 @@ TEST(HealthMessage, NamesDarknessAndCoveredLensesWhileTheOdometryIsInvalid) {
   EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::none), "");
   EXPECT_EQ(problemOf({dusk, dusk}, vo::OdometryReason::offset_uncertain), "");
   EXPECT_EQ(problemOf({day, day}, kFewMatches), "");
+  EXPECT_THAT(problemOf({day, day}, vo::OdometryReason::too_few_features),
+              AllOf(StartsWith("left camera: "), HasSubstr("out of focus")));
+}
+
+TEST(HealthMessage, LeavesWhatTheOdometryDoesNotNeedUnsaidWhileItIsInvalid) {
+  HealthSnapshot full = snapshot(18);
+  full.recording = "not recording: the disk is full";
+  EXPECT_EQ(problemOf({}, vo::OdometryReason::none, full), full.recording);
+  EXPECT_EQ(problemOf({}, vo::OdometryReason::too_few_inliers, full), "");
+}
+
+TEST(HealthMessage, NamesTheRigBeforeTheRecordingAndTheCamerasAdvice) {
+  HealthMonitor monitor{{}};
+  pipeline::PairResult result = validResult();
+  result.estimate.stereo_fault = vo::StereoFault::misaligned;
+  monitor.addPair(result, odometryMessage(result));
+  HealthSnapshot full = snapshot(1);
+  full.recording = "not recording: the disk is full";
+  full.left.advice = "packets are left out";
+  EXPECT_THAT(monitor.summarise({}, full).problem, StartsWith("the pictures do not fit the rig file"));
 }
 
 TEST(HealthMessage, NamesACoveredLensBeforeAFrozenCameraButNotBeforeAnAbsentOne) {
@@ -181,10 +203,27 @@ TEST(HealthMessage, ReportsReducedFeatures) {
   const health_t health = monitor.summarise({}, slow);
   EXPECT_EQ(health.features_configured, 1000);
   EXPECT_EQ(health.features_least, 430);
-  EXPECT_THAT(health.problem, testing::HasSubstr("430 instead of 1000 features"));
-  const health_t without_pairs = monitor.summarise({}, slow);
-  EXPECT_EQ(without_pairs.features_least, 1000);
-  EXPECT_EQ(without_pairs.problem, "");
+  EXPECT_EQ(monitor.summarise({}, slow).features_least, 1000) << "no pairs";
+}
+
+TEST(HealthMessage, NamesAComputerThatIsTooSlowForLong) {
+  HealthMonitor monitor{{}};
+  HealthSnapshot slow = snapshot(0);
+  slow.features = 1000;
+  const auto problem_after = [&](std::chrono::seconds time, std::initializer_list<int> features) {
+    pipeline::PairResult result = validResult();
+    for (const int number : features) {
+      result.features = number;
+      monitor.addPair(result, odometryMessage(result));
+    }
+    return monitor.summarise(HealthMonitor::Clock::time_point(time), slow).problem;
+  };
+  using std::chrono::seconds;
+  EXPECT_EQ(problem_after(seconds(1), {1000, 430}), "");
+  EXPECT_EQ(problem_after(seconds(10), {450}), "");
+  EXPECT_THAT(problem_after(seconds(11), {450}), HasSubstr("fewer than 1000 features"));
+  EXPECT_EQ(problem_after(seconds(12), {990, 1000}), "");
+  EXPECT_EQ(problem_after(seconds(30), {}), "");
 }
 
 TEST(HealthMessage, HoldsTheStateAfterTheLastPair) {
@@ -220,7 +259,7 @@ TEST(HealthMessage, HoldsSelfCheckResult) {
   EXPECT_FLOAT_EQ(health.right_late_deviation_ms, 0.1F);
   EXPECT_NEAR(health.right_rotation_deg[2], 0.573, 0.001);
   EXPECT_FLOAT_EQ(health.right_rotation_deg[0], 0.0F);
-  EXPECT_THAT(health.self_check, testing::HasSubstr("3.0 ± 0.1 ms later"));
+  EXPECT_THAT(health.self_check, HasSubstr("3.0 ± 0.1 ms later"));
 }
 
 TEST(HealthMessage, NamesTheWorstBoundOfTheLastSecond) {
@@ -250,7 +289,7 @@ TEST(HealthMessage, HoldsReadouts) {
   EXPECT_FLOAT_EQ(health.left_readout_deviation_ms, 0.1F);
   EXPECT_FLOAT_EQ(health.right_readout_ms, -38.4F);
   EXPECT_FLOAT_EQ(health.right_readout_deviation_ms, 0.2F);
-  EXPECT_THAT(health.self_check, testing::HasSubstr("-38.4 ± 0.2 ms, not 32.0 ms"));
+  EXPECT_THAT(health.self_check, HasSubstr("-38.4 ± 0.2 ms, not 32.0 ms"));
 }
 
 std::string encoded(const health_t& message) {

@@ -103,6 +103,8 @@ TEST(SelfCheck, ReportsTimeOffset) {
               HasSubstr("3.1 ± 0.4 ms later"));
   EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, -3.1e-3, 4e-4)),
               HasSubstr("3.1 ± 0.4 ms earlier"));
+  EXPECT_THAT(messageFor(rigWith(&vo::RigCalibrationError::delay, 1.2e-3, 2e-5)),
+              HasSubstr("1.2 ± 0.1 ms later"));
 }
 
 TEST(SelfCheck, ReportsRotationOfRightCamera) {
@@ -154,8 +156,8 @@ TEST(SelfCheck, SignalsEachChangeOnce) {
 TEST(SelfCheck, ReportsMissingStereoMatches) {
   SelfCheck check;
   drive(check, 1000, 13);
-  EXPECT_THAT(check.message(),
-              HasSubstr("hardly any corner of the left picture is found in the right one (13 of 1000)"));
+  EXPECT_THAT(check.message(), HasSubstr("hardly any corner of the left picture is found in the right one"));
+  EXPECT_EQ(check.stereoFaultMessage(), check.message());
   EXPECT_LE(check.message().size(), 200U) << "limit of health_t.self_check";
   EXPECT_TRUE(check.consumeChange());
   check.update(pairWith(60, 1000, 400));
@@ -187,7 +189,7 @@ TEST(SelfCheck, IgnoresRejectedPair) {
   vo::OdometryEstimate refused = pairWith(60, 0, 0);
   refused.reasons = vo::OdometryReason::offset_uncertain;
   check.update(refused);
-  EXPECT_THAT(check.message(), HasSubstr("13 of 1000"));
+  EXPECT_THAT(check.message(), StartsWith("hardly any"));
 }
 
 TEST(SelfCheck, ReportsAngleThatCausesMissingMatches) {

@@ -86,7 +86,7 @@ def test_a_bad_trajectory_is_refused_with_its_line(bench, text):
 def test_a_file_that_cannot_be_read_is_named(bench):
     bench.write("good.tum", tum(straight(5, 1.0)))
     assert "none.txt: cannot be read: No such file or directory" in bench.error("none.txt", "good.tum")
-    assert "it is a folder; expected a file" in bench.error(".", "good.tum")
+    assert "it is a folder; expected a file, as trajectory.tum" in bench.error(".", "good.tum")
     os.mkfifo(bench.folder / "pipe")
     assert "it is a pipe or a device; expected a file" in bench.error("pipe", "good.tum")
     with open(bench.folder / "huge.tum", "wb") as file:

@@ -42,6 +42,7 @@ TEST(ReplaySummary, CountsPairsWithABoundAboveItsAlertLimit) {
     replay.pairs[pair].message.reasons = odometry_t::REASON_BOUND;
   replay.pairs[2].reasons.add(vo::OdometryReason::zero_velocity);
   replay.pairs[3].valid = true;
+  EXPECT_EQ(invalidPairsText(replay), "not valid: 1 first pair, 2 bound above its alert limit\n");
   const nlohmann::ordered_json expected{{"first_pair", 1}, {"bound", 2}};
   EXPECT_EQ(replaySummary({}, replay)["invalid_by_reason"], expected);
   replay.pairs.pop_back();

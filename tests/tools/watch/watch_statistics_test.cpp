@@ -123,6 +123,8 @@ TEST(Watch, PrintsProblemAndSelfCheck) {
   EXPECT_EQ(adviceText(health), "self-check: calibrate anew");
   health.problem = "left camera: refused";
   EXPECT_EQ(adviceText(health), "problem: left camera: refused\nself-check: calibrate anew");
+  health.problem = health.self_check;
+  EXPECT_EQ(adviceText(health), "problem: calibrate anew");
 }
 
 TEST(Watch, PrintsSourceOfTheTimeOffset) {

@@ -13,6 +13,7 @@ logging.getLogger("matplotlib").setLevel(logging.ERROR)  # not where it keeps it
 try:
     import matplotlib
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatter
 except ImportError as missing:
     raise EvaluationError(f"plots and reports need matplotlib ({missing}); install Debian's package python3-matplotlib, or leave out --plot, "
                           "--report and --figures-dir") from None
@@ -77,6 +78,12 @@ def reduced(band, most=1500):
     return band.x[::size], np.array([limits[part, 0].min() for part in parts]), np.array([limits[part, 1].max() for part in parts])
 
 
+def write_plain_numbers(axis):
+    """Logarithmic axes would write powers as formulas, which "text.parse_math" leaves undrawn."""
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(LogFormatter())
+
+
 def draw_panel(axes, panel, chart):
     """Returns the entries of the legend by their name."""
     entries = {}
@@ -85,8 +92,10 @@ def draw_panel(axes, panel, chart):
         entries[series.name] = axes.plot(series.x, drawable(series.y), linestyle=line, marker=marker, color=series.colour)[0]
     if panel.is_logarithmic:
         axes.set_yscale("log")
+        write_plain_numbers(axes.yaxis)
     if chart.is_x_logarithmic:
         axes.set_xscale("log")
+        write_plain_numbers(axes.xaxis)
     if chart.has_equal_scale:
         axes.set_aspect("equal", "datalim")
     low, high = axes.get_ylim()

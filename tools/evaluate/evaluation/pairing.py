@@ -61,7 +61,7 @@ def pair_by_time(estimate, truth):
             f"fewer than two poses of the estimate have a truth at their time: the estimate is of {span(estimate)}, the truth of "
             f"{span(truth)}; check that both are of one drive ('cartvo simulate' keeps the truth of an earlier run as "
             "truth-SECOND.tum) and one clock, in seconds; --offset of 'cartvo evaluate' adds to the estimate's instants"
-            + (f". {problem}" if problem else ""))
+            + (f"; {problem}" if problem else ""))
     return Pairing(True, estimate.times[known], estimate.poses[known], poses[known], int((~known).sum()),
                    clocks_differ=bool(problem), problems=[problem] if problem else [])
 

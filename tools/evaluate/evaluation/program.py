@@ -55,13 +55,11 @@ def read_bytes(file):
     try:
         descriptor = os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
         with open(descriptor, "rb") as stream:
-            mode = os.fstat(descriptor).st_mode
-            if not stat.S_ISREG(mode):
-                what = "it is a folder" if stat.S_ISDIR(mode) else "it is a pipe or a device"
-                raise EvaluationError(f"{file}: cannot be read: {what}; expected a file")
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise EvaluationError(f"{file}: cannot be read: it is a pipe or a device; expected a file")
             contents = stream.read(MOST_BYTES + 1)
     except IsADirectoryError:
-        raise EvaluationError(f"{file}: cannot be read: it is a folder; expected a file") from None
+        raise EvaluationError(f"{file}: cannot be read: it is a folder; expected a file, as trajectory.tum in the folder of a replay") from None
     except OSError as error:
         raise EvaluationError(f"{file}: cannot be read: {error.strerror}") from None
     if len(contents) > MOST_BYTES:

@@ -59,19 +59,17 @@ namespace cartvo::vo {
     "on standstill limits: noise of positions and depths; rendered: 1.2 mm, 0.2 mrad")                     \
   X(frozen_camera, kMinimumLandmarkShare, 0.25, "",                                                        \
     "of those at the start; on rendered standstills three quarters match")                                 \
-  X(pitch_search, kFewMatchesShare, 0.2, "", "of landmarks: with a correct rig a quarter is matched")      \
+  X(pitch_search, kFewMatchesShare, 0.2, "",                                                               \
+    "of landmarks: with a correct rig a quarter is matched, by chance a fifth")                            \
   X(pitch_search, kMinimumLandmarks, std::size_t{50}, "", "for a meaningful share")                        \
   X(pitch_search, kMinimumPatches, std::size_t{24}, "", "of two scenes a fifth agrees by chance")          \
   X(pitch_search, kSearchedRows, 1.5, "px", "half the range of the stereo search over rows")               \
   X(pitch_search, kRowTolerance, 3.0, "px", "near points move up and down between the exposures")          \
-  X(pitch_search, kRowNoise, 0.15, "px", "least error of rows, of good lenses")                            \
   X(pitch_search, kSearchInterval, 20, "pairs", "the search takes some milliseconds")                      \
   X(pitch_search, kMaximumPitch, 0.0105, "rad", "0.6 degrees, up to which self-calibration corrects")      \
   X(track_start, kSpeed, 15.0, "m/s, rad/s", "stddev of an unknown velocity")                              \
   X(track_start, kEstablished, 7.0, "nats",                                                                \
     "odds of 1,000; a bus ahead that filled two thirds of the view reached 5")                             \
-  X(track_adjustment, kLeastStereoShare, 0.2, "",                                                          \
-    "of landmarks: a fifth of unrelated pictures, as of hot pixels, matches by chance")                    \
   X(track_adjustment, kStopTolerance, 2.0, "", "on the limits of a standstill, for the noise of a motion") \
   X(track_adjustment, kLongestStep, 0.1, "s", "the gate of an uncertain motion grows no more beyond")      \
   X(protection, kBoundFactor, 3.9, "",                                                                     \

@@ -65,7 +65,7 @@ double finalNees(const std::vector<OdometryEstimate>& estimates) {
 
 TEST(OffsetUncertainty, IncreasesTheCovarianceOfTheFirstMotion) {
   const auto variance = [](double stddev) {
-    return simulateDrive(Drive::turn, 0.0, stddev, 2).back().motion_covariance.trace();
+    return simulateDrive(Drive::turn, 0.0, stddev, 2).back().pose_covariance.trace();
   };
   EXPECT_GT(variance(kOffsetStddev), 1.2 * variance(0.0));
   EXPECT_GT(variance(2.0 * kOffsetStddev), variance(kOffsetStddev));

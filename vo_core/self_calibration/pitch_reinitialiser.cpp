@@ -74,7 +74,7 @@ bool PitchReinitialiser::tryReinitialise(const NewestPair& pair, const Eigen::Is
   if (!pitch || std::abs(pitch->value) > pitch_search::kMaximumPitch) return false;
   if (std::abs(pitch->value - rig.expected().pitch) < pitch_search::kSearchedRows * pixel) return false;
   const double rate = pair.window.size() > 1 ? settings_.rate_stddev : settings_.unknown_rate_stddev;
-  pitch->stddev = std::hypot(std::max(pitch->stddev, pitch_search::kRowNoise * pixel), rate * newest.offset);
+  pitch->stddev = std::hypot(std::max(pitch->stddev, stereo_look::kRowNoise * pixel), rate * newest.offset);
   rig.reinitialisePitch(*pitch);
   return true;
 }

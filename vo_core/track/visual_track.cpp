@@ -1,5 +1,5 @@
 // Processing of a pair by a track: landmarks are tracked, the pose is searched, landmarks are replenished and
-// matched in stereo. Adjustment and standstill: visual_track_adjustment.cpp, visual_track_standstill.cpp.
+// matched in stereo. The other steps: visual_track_ambiguity.cpp, _adjustment.cpp, _standstill.cpp.
 #include "vo_core/track/visual_track.hpp"
 
 #include <algorithm>
@@ -97,10 +97,6 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
     const double stddev = relative_stddev * std::max(landmark.inverse_depth, 0.0);
     landmark.information = 1.0 / (1.0 / landmark.information + stddev * stddev);
   }
-}
-
-bool VisualTrack::isEstablished() const {
-  return log_odds_ >= track_start::kEstablished;
 }
 
 std::optional<ReadoutEstimates> VisualTrack::readouts() const {
@@ -303,54 +299,6 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
   return true;
-}
-
-/// Finds another pose that explains more than half as much as the pose found does, without what fits both, if
-/// the pose found rests on landmarks that keep their place in the image, as on a part of the cart.
-std::optional<AlternativePose> VisualTrack::findLikelyAlternative() {
-  if (countStillInliers(pose_problem_) == 0) return std::nullopt;
-  SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
-  auto other = pose_finder_.findAlternative(pose_problem_, settings_.pose_search,
-                                            settings_.validity.minimum_inliers, random);
-  if (!other || other->weight <= kMajority * other->weight_of_found) return std::nullopt;
-  if (other->still_of_found <= kMajority * other->weight_of_found) return std::nullopt;
-  return other;
-}
-
-/// Whether the landmarks may as well show another pose. Until the track is established, nothing but their
-/// number tells the world from vehicles that fill most of the view. Then the cart must be able to make the
-/// other motion since the last pair without an alternative: a standstill hides a slow departure at first.
-bool VisualTrack::isAmbiguous(const PreparedPair& pair, const FoundPose& found, TrackedMotion& motion) {
-  if (!isEstablished()) {
-    const bool has_other = opposes(found, motion);
-    if (has_other && found.inlier_ratio < kUnambiguousShare) {
-      log_odds_ = 0.0;
-      return true;
-    }
-  }
-  const auto other = findLikelyAlternative();
-  if (!other) {
-    unambiguous_ns_ = pair.left_exposure_ns;
-    return false;
-  }
-  const double step = seconds(pair.left_exposure_ns - unambiguous_ns_);
-  const Vector6d change = vectorFromMotion(pose_problem_.expected.inverse() * other->T_world_camera);
-  return !velocity_ || canStop(change / step, step);
-}
-
-/// Whether outliers agree on another pose, whatever the cart can do. Sets the odds of the pose found: its
-/// inliers against all outliers, or, if there is no other pose, against fewer than such a one needs.
-bool VisualTrack::opposes(const FoundPose& found, TrackedMotion& motion) {
-  SubsetRandom random(settings_.seed);
-  const int needed = settings_.validity.minimum_inliers;
-  const std::optional<Vector6d> gate = std::exchange(pose_problem_.admissible_change, std::nullopt);
-  const bool has_other =
-      pose_finder_.findAlternative(pose_problem_, settings_.pose_search, needed, random).has_value();
-  pose_problem_.admissible_change = gate;
-  const int outliers = static_cast<int>(chosen_.size()) - found.inliers;
-  const int against = has_other ? outliers : std::min(outliers, needed);
-  motion.log_odds = std::log(static_cast<double>(found.inliers) / std::max(against, 1));
-  return has_other;
 }
 
 /// Searches the pose within the motion gate. If it explains less than half of the landmarks, searches beyond

@@ -49,7 +49,7 @@ struct TrackedMotion {
   /// the pose where that ended, by the shifts of key frames that were removed from it, and by a track that is
   /// not established.
   Matrix6d by_window = Matrix6d::Zero(), by_standstill = Matrix6d::Zero(), by_codec_shift = Matrix6d::Zero(),
-           by_doubt = Matrix6d::Zero();
+           by_start = Matrix6d::Zero();
   double codec_inflation = 1.0;        ///< factor on that by the window: PreparedPair::pose_noise_inflation
   bool noise_is_uncalibrated = false;  ///< one of the first motions: their noise is still an assumption
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
@@ -61,7 +61,7 @@ struct TrackedMotion {
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
   Vector6d stddevByWindow() const { return by_window.diagonal().cwiseMax(0.0).cwiseSqrt(); }
   Matrix6d covariance() const {
-    return codec_inflation * by_window + by_standstill + by_codec_shift + by_doubt;
+    return codec_inflation * by_window + by_standstill + by_codec_shift + by_start;
   }
 };
 
@@ -146,9 +146,6 @@ class VisualTrack {
   double secondsSinceLast(const PreparedPair& pair) const;
   Eigen::Isometry3d expectedPose(const PreparedPair& pair) const;
   bool searchPose(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
-  std::optional<AlternativePose> findLikelyAlternative();
-  bool isAmbiguous(const PreparedPair& pair, const FoundPose& found, TrackedMotion& motion);
-  bool opposes(const FoundPose& found, TrackedMotion& motion);
   std::optional<FoundPose> findPose();
   Vector6d admissibleChange(const PreparedPair& pair) const;
   void buildPoseProblem(const PreparedPair& pair, const Draft& draft);
@@ -156,6 +153,12 @@ class VisualTrack {
                    PitchReinitialiser& reinitialiser, std::vector<Landmark>& landmarks);
   void accept(const PreparedPair& pair, Draft& draft);
   bool estimatesRig() const;
+
+  // visual_track_ambiguity.cpp
+  std::optional<AlternativePose> findLikelyAlternative();
+  bool isAmbiguous(const PreparedPair& pair, const FoundPose& found, TrackedMotion& motion);
+  std::optional<AlternativePose> measureOdds(const FoundPose& found, TrackedMotion& motion);
+  void addStartUncertainty(TrackedMotion& motion);
 
   // visual_track_standstill.cpp
   void applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion);
@@ -172,7 +175,6 @@ class VisualTrack {
   void predictByWindow(const PreparedPair& pair, Draft& draft);
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
-  void addDoubt(TrackedMotion& motion);
   bool restartAfterBump(Draft& draft);
   void updateErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
   void updateLandmarks(Draft& draft);

@@ -120,7 +120,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   if (!motion.valid() || stopsTooFast(pair, motion)) return;
   if (lacksStereo(motion)) return;
 
-  addDoubt(motion);
+  addStartUncertainty(motion);
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
   last_stddev_ = motion.stddevByWindow();
   timing_.use(draft.estimates.readouts);
@@ -130,18 +130,6 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   std::swap(estimates_, draft.estimates);
   track_window_.accept();
   accept(pair, draft);
-}
-
-/// Until the track is established, adds to the covariances that the cart may have any speed, with the
-/// probability that the landmarks are not those of the world. The odds of pairs count as independent.
-void VisualTrack::addDoubt(TrackedMotion& motion) {
-  if (isEstablished()) return;
-  log_odds_ += motion.log_odds;
-  if (isEstablished()) return;
-  const double probability = 1.0 / (1.0 + std::exp(log_odds_));
-  const double variance = probability * track_start::kSpeed * track_start::kSpeed;
-  motion.by_doubt.diagonal().array() += variance * motion.time_step * motion.time_step;
-  motion.twist->covariance.diagonal().array() += variance;
 }
 
 /// Whether the right camera has been turned since the last pair: the rows of most of its matches are
@@ -238,7 +226,7 @@ void VisualTrack::updateLandmarks(Draft& draft) {
 bool VisualTrack::lacksStereo(TrackedMotion& motion) {
   const double share = static_cast<double>(motion.counts.stereo) / std::max(motion.counts.detected, 1);
   stereo_share_ += (share - stereo_share_) / settings_.self_calibration.correlated_pairs;
-  if (stereo_share_ >= track_adjustment::kLeastStereoShare) return false;
+  if (stereo_share_ >= pitch_search::kFewMatchesShare) return false;
   motion.reason = OdometryReason::too_few_matches;
   return true;
 }

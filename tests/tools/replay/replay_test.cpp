@@ -110,7 +110,7 @@ TEST_F(ReplayOfKitti, OdometryCsvHasTheMessagesWithTheirCovariances) {
   const std::vector<std::string> lines = linesOf(odometryCsv(replay));
   ASSERT_EQ(lines.size(), kPairs + 1U);
   const std::vector<std::string> names = fieldsOf(lines.front());
-  EXPECT_EQ(names.size(), 19U + 21U + 21U + 3U + 12U + 1U);
+  EXPECT_EQ(names.size(), 19U + 21U + 21U + 3U + 12U + 1U + 9U);
   for (std::size_t row = 1; row < lines.size(); ++row) {
     const std::vector<std::string> fields = fieldsOf(lines[row]);
     ASSERT_EQ(fields.size(), names.size());

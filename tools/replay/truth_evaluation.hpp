@@ -11,7 +11,7 @@
 namespace cartvo {
 
 /// How a replay agrees with the truth, as `cartvo evaluate` computes it.
-struct TruthEvaluation {
+struct TruthEvaluation {  // NOLINT(bugprone-exception-escape): moving a JSON value throws nothing
   nlohmann::ordered_json evaluation, consistency;  ///< of summary.json; each key names its unit
   std::vector<std::string> errors;                 ///< for motionCsv
   std::string table;                               ///< for the terminal

@@ -55,8 +55,7 @@ const FaultWords& wordsOf(LightFault fault) {
        "is the lens covered, or is it dark? Uncover and clean it, add light, or allow more gain"},
       {"the picture shows hardly any texture",
        "is the lens covered, dirty, fogged or out of focus, or is there a plain wall before it? Uncover, "
-       "clean "
-       "and focus it"},
+       "clean and focus it"},
       {"the picture is too bright", "reduce the exposure, or turn the camera away from the light"},
   }};
   return kWords[static_cast<std::size_t>(fault)];

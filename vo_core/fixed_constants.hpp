@@ -69,7 +69,7 @@ namespace cartvo::vo {
   X(pitch_search, kMaximumPitch, 0.0105, "rad", "0.6 degrees, up to which self-calibration corrects")      \
   X(track_start, kSpeed, 15.0, "m/s, rad/s", "stddev of an unknown velocity")                              \
   X(track_start, kEstablished, 7.0, "nats",                                                                \
-    "odds of 1,000; a bus ahead that filled two thirds of the view reached 5")                             \
+    "odds of 1,000: a bus ahead that fills two thirds of the view does not reach them")                    \
   X(track_adjustment, kStopTolerance, 2.0, "", "on the limits of a standstill, for the noise of a motion") \
   X(track_adjustment, kLongestStep, 0.1, "s", "the gate of an uncertain motion grows no more beyond")      \
   X(protection, kBoundFactor, 3.9, "",                                                                     \

@@ -53,8 +53,8 @@ struct TrackedMotion {
   double codec_inflation = 1.0;        ///< factor on that by the window: PreparedPair::pose_noise_inflation
   bool noise_is_uncalibrated = false;  ///< one of the first motions: their noise is still an assumption
   std::optional<ExposureTwist> twist;  ///< as OdometryEstimate's
-  double log_odds =
-      0.0;  ///< that the landmarks of the motion are those of the world; before it is established
+  /// That the landmarks of the motion are those of the world, by this pair; before the track is established.
+  double log_odds = 0.0;
   FeatureCounts counts;
   IntegrityEvidence evidence;  ///< of the pair and the track
 

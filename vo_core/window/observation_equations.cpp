@@ -86,9 +86,15 @@ bool setEquations(const WindowProblem& problem, const WindowBand& band, const Wi
   };
   equations.precision.head<2>() = precision_of(noise.left);
   equations.by_state.block<2, 3>(0, kRowLeftPosition) = seen.by_position;
-  equations.by_state.block<2, 1>(0, kRowLeftReadout) = observation.left_share * seen.by_time;
   equations.by_state.block<2, 3>(0, kRowLeftTurn) = seen.by_turn;
   equations.by_state.block<2, 1>(0, kRowResidual) = observation.left - seen.pixel;
+  // The instant of the row where the landmark is: a derivative by that of the row where it was seen would be
+  // correlated with the residual.
+  const auto predicted_share = [&](double share, double residual) {
+    return share - residual / problem.camera.height;
+  };
+  equations.by_state.block<2, 1>(0, kRowLeftReadout) =
+      predicted_share(observation.left_share, equations.by_state(1, kRowResidual)) * seen.by_time;
   equations.by_place.topRows<2>() = seen.by_place;
   if (!observation.stereo) return true;
 
@@ -98,11 +104,12 @@ bool setEquations(const WindowProblem& problem, const WindowBand& band, const Wi
   equations.precision.tail<2>() = precision_of(noise.right);
   equations.by_state.block<2, 3>(2, kRowRightPosition) = seen.by_position;
   equations.by_state.block<2, 3>(2, kRowRightTurn) = seen.by_turn;
-  equations.by_state.block<2, 1>(2, kRowRightReadout) = observation.right_share * seen.by_time;
   equations.by_state.block<2, 1>(2, kRowOffset) = seen.by_time;
   equations.by_state.block<2, kRigStates>(2, kRowRig) = -by_rig;
   equations.by_state.block<2, 1>(2, kRowResidual) =
       observation.right + by_rig.lazyProduct(problem.shared.tail<kRigStates>()) - seen.pixel;
+  equations.by_state.block<2, 1>(2, kRowRightReadout) =
+      predicted_share(observation.right_share, equations.by_state(3, kRowResidual)) * seen.by_time;
   equations.by_place.bottomRows<2>() = seen.by_place;
   const auto take_common_off = [&](auto right, const auto& left) { right -= noise.common * left; };
   take_common_off(equations.by_state.block<2, kRowRightPosition>(2, 0),

@@ -106,7 +106,10 @@ void TrackWindow::restart(const TrackWindowInput& input, State& state) {
   state.epoch_ns = window.front().exposure_ns;
   const std::vector<double> times = timesOf(window, state.epoch_ns);
   for (std::size_t i = 0; i + 1 < window.size(); ++i)
-    problem.pairs.push_back({window[i].index, times[i], window[i].offset});
+    problem.pairs.push_back({.index = window[i].index, .time = times[i], .offset = window[i].offset});
+  if (input.rest)
+    for (WindowPair& pair : problem.pairs)
+      pair.twist_covariance.diagonal() = input.rest->cwiseAbs2();
   problem.shared = problem.prior.first_shared = input.shared.mean;
   problem.prior.information.diagonal() =
       input.shared.stddev.cwiseMax(kLeastStddev).cwiseAbs2().cwiseInverse();
@@ -178,6 +181,22 @@ TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
   return result;
 }
 
+/// Keeps the covariances of the twists of the newest pairs, if a readout is unknown.
+void TrackWindow::keepTwistErrors(WindowResult result) {
+  constexpr int kReadouts = kRightReadout + 1;
+  WindowProblem& problem = next_.problem;
+  const Eigen::Matrix2d readouts = result.covariance.topLeftCorner<kReadouts, kReadouts>();
+  if (readouts.trace() < 4.0 * kLeastStddev * kLeastStddev) return;
+  const Eigen::MatrixXd columns = result.covariance.leftCols<kReadouts>();
+  result.covariance.noalias() -= columns * readouts.inverse() * columns.transpose();
+  for (int i = static_cast<int>(problem.pairs.size()) - 2; i < static_cast<int>(problem.pairs.size()); ++i) {
+    WindowPair& pair = problem.pairs[i];
+    Matrix6d to_world = Matrix6d::Identity();
+    to_world.topLeftCorner<3, 3>() = problem.trajectory.at(pair.time).rotation;
+    pair.twist_covariance = to_world * twistAt(problem, result, pair.time).covariance * to_world.transpose();
+  }
+}
+
 TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
   const WindowProblem& problem = next_.problem;
   const std::size_t last = problem.pairs.size() - 1;
@@ -193,6 +212,7 @@ TrackWindow::Adjusted TrackWindow::concluded(const WindowResult& result) {
   if (last > 1) adjusted.motion_before = motion_to(last - 1);
   adjusted.twist = twistAt(problem, result, problem.pairs[last].time);
   adjusted.twist_before = twistAt(problem, result, problem.pairs[last - 1].time);
+  keepTwistErrors(result);
   adjusted.shared = problem.shared;
   adjusted.shared_stddev =
       result.covariance.topLeftCorner<kSharedStates, kSharedStates>().diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -215,7 +235,9 @@ void TrackWindow::prepare(const TrackWindowInput& input) {
   removeEnded(input);
   const std::vector<double> times = timesOf(input.window, next_.epoch_ns);
   const double time = times.back();
-  problem.pairs.push_back({newest.index, time, newest.offset});
+  WindowPair pair{.index = newest.index, .time = time, .offset = newest.offset};
+  if (!problem.pairs.empty()) pair.twist_covariance = problem.pairs.back().twist_covariance;
+  problem.pairs.push_back(pair);
   problem.trajectory.extendTo(time + reachOf(problem.shared, newest.offset).after);
   // The last knots were hardly measured before: they begin at the first guess.
   for (int i = 0; i < problem.trajectory.size(); ++i)

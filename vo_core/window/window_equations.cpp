@@ -18,6 +18,19 @@ constexpr double kLargestCommonSquare = 16.0;              // of residuals that 
 constexpr double kSquareBehindCamera = 1e6;
 constexpr int kBands = 41;  // of rows, between which the camera accelerates uniformly
 
+/// Instant of the middle of a band, as a share of the readout.
+double shareOf(std::size_t band) {
+  return (static_cast<double>(band % kBands) + 0.5) / kBands - 0.5;
+}
+
+/// Information of a shared state with all others unknown.
+double marginalInformation(Eigen::MatrixXd information, int state) {
+  constexpr double kLeast = 1e-6;  // 1/m^2 and 1/rad^2, of knots that nothing is known of
+  const Eigen::Index size = information.rows();
+  information.diagonal().tail(size - kSharedStates).array() += kLeast;
+  return 1.0 / information.ldlt().solve(Eigen::VectorXd::Unit(size, state))[state];
+}
+
 /// Index of the band of rows of a pair.
 std::size_t bandIndexOf(const WindowObservation& observation) {
   const int row = std::clamp(static_cast<int>((observation.left_share + 0.5) * kBands), 0, kBands - 1);
@@ -72,7 +85,7 @@ WindowEquations::Band& WindowEquations::bandOf(const WindowProblem& problem,
   Band& band = bands_[at];
   if (band.used) return band;
   band.used = true;
-  const double share = (static_cast<double>(at % kBands) + 0.5) / kBands - 0.5;
+  const double share = shareOf(at);
   band.middle.left_time = problem.leftTime(observation.pair, share);
   band.middle.right_time = problem.rightTime(observation.pair, share);
   band.middle.left = problem.trajectory.at(band.middle.left_time);
@@ -149,8 +162,26 @@ void WindowEquations::setLandmarks(const WindowProblem& problem, const std::vect
   }
   for (const Band& band : bands_)
     if (band.used) sums_.add(band.sums);
+  pretended_.setZero();
+  for (std::size_t at = 0; at < bands_.size(); ++at)
+    if (bands_[at].used) addPretended(at, problem.pairs[static_cast<int>(at / kBands)].twist_covariance);
   sums_.subtractEliminated();
   sums_.copyTo(information_, gradient_);
+}
+
+/// Adds what a band pretends, by the covariance of its pair's twist.
+void WindowEquations::addPretended(std::size_t band, const Matrix6d& covariance) {
+  const BandSums& sums = bands_[band].sums;
+  const auto information = [&](int position, int turn) {
+    const auto state = [&](int i) { return i < 3 ? position + i : turn + i - 3; };
+    double trace = 0.0;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j)
+        trace += covariance(i, j) * sums(state(i), state(j));
+    return shareOf(band) * shareOf(band) * trace;
+  };
+  pretended_[kLeftReadout] += information(kRowLeftPosition, kRowLeftTurn);
+  pretended_[kRightReadout] += information(kRowRightPosition, kRowRightTurn);
 }
 
 void WindowEquations::addJerk(const WindowProblem& problem, int end) {
@@ -175,6 +206,23 @@ void WindowEquations::addJerk(const WindowProblem& problem, int end) {
         information_.block<3, 3>(row + 3, column + 3) += rotation * by_knot[i].transpose() * by_knot[j];
       }
     }
+  }
+}
+
+void WindowEquations::discountReadouts(const WindowPrior& prior) {
+  constexpr double kNegligible = 0.01;  // share of what is known
+  for (const int state : {kLeftReadout, kRightReadout}) {
+    const double pretended = pretended_[state], own = information_(state, state);
+    if (!(pretended > 0.0 && own > 0.0) || own < kNegligible * kNegligible * prior.information(state, state))
+      continue;
+    const double known = marginalInformation(prior.information, state);
+    if (pretended < kNegligible * known) continue;
+    const double gain = marginalInformation(prior.information + information_, state) - known;
+    const double left = gain - pretended;
+    const double factor = 1.0 / (left > 0.0 ? own + gain * left / pretended : own);
+    const Eigen::VectorXd column = information_.col(state);
+    gradient_ -= factor * gradient_[state] * column;
+    information_.noalias() -= factor * column * column.transpose();
   }
 }
 

@@ -51,6 +51,12 @@ class WindowEquations {
   void addJerk(const WindowProblem& problem, int end);
   void addPrior(const WindowProblem& problem);
 
+  /// Takes off what the equations of setLandmarks() and addJerk() pretend to know of the readouts beside
+  /// `prior`. The derivatives by a readout are those by time: errors of the twists, squared, appear as
+  /// information (W. Fuller, "Measurement Error Models", 1987, section 1.1). As much is lost to a readout of
+  /// these equations' own; at rest that is all.
+  void discountReadouts(const WindowPrior& prior);
+
   /// How the landmark with this index fitted in setLandmarks().
   const LandmarkFit& fit(std::size_t landmark) const { return eliminated_[landmark].fit; }
 
@@ -82,8 +88,11 @@ class WindowEquations {
   Eliminated eliminate(const WindowProblem& problem, const WindowLandmark& landmark, bool gated, double scale,
                        WindowNoiseSums* noise);
 
+  void addPretended(std::size_t band, const Matrix6d& covariance);
+
   Eigen::MatrixXd information_;
   Eigen::VectorXd gradient_;
+  Eigen::Vector2d pretended_ = Eigen::Vector2d::Zero();  ///< 1/s^2, information of the readouts by errors
   // Reused for their memory.
   std::vector<Band> bands_;
   std::vector<Eliminated> eliminated_;

@@ -45,6 +45,8 @@ struct WindowPair {
   std::int64_t index = -1;
   double time = 0.0;    ///< s, of the left exposure
   double offset = 0.0;  ///< s, right exposure minus left exposure by the time stamps
+  /// Of the left camera's velocity, in the world's axes, and rate at `time`, given the shared states.
+  Matrix6d twist_covariance = Matrix6d::Zero();
 };
 
 /// A landmark in both images of a pair: up to four coordinates, px, as seen.
@@ -101,7 +103,6 @@ struct WindowPrior {
   std::vector<Eigen::Isometry3d> first;  ///< knots
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kSharedStates, kSharedStates);
   Eigen::VectorXd vector = Eigen::VectorXd::Zero(kSharedStates);
-
   /// Appends the knots that the trajectory has beyond them; nothing is known about these.
   void extendTo(const Trajectory& trajectory);
   /// Marginalises the oldest knots: the Schur complement (G. Sibley et al., "Sliding window filter with

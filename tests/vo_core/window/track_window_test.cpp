@@ -23,6 +23,8 @@ struct Drive {
   double offset = 0.0;    // s, right exposure minus left exposure
   double told = 0.03, told_stddev = kKnown;
   double shake = 0.0;  // rad, amplitude at 8 Hz
+  double speed = 3.5;  // m/s
+  double lively = 1.0;
   int pairs = 45;
   int landmarks = 600;
   unsigned seed = 1;
@@ -31,14 +33,16 @@ struct Drive {
 Eigen::Isometry3d truthAt(const Drive& drive, double t) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const double wave = 2.0 * M_PI * 8.0 * t;
+  const double lively = drive.lively;
   pose.linear() =
-      (Eigen::AngleAxisd(0.5 * std::sin(0.9 * t), Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(0.02 * std::sin(8.0 * t) + drive.shake * std::sin(wave), Eigen::Vector3d::UnitX()) *
-       Eigen::AngleAxisd(0.02 * std::sin(7.0 * t + 1.0) + 0.6 * drive.shake * std::sin(wave + 0.7),
+      (Eigen::AngleAxisd(lively * 0.5 * std::sin(0.9 * t), Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(lively * 0.02 * std::sin(8.0 * t) + drive.shake * std::sin(wave),
+                         Eigen::Vector3d::UnitX()) *
+       Eigen::AngleAxisd(lively * 0.02 * std::sin(7.0 * t + 1.0) + 0.6 * drive.shake * std::sin(wave + 0.7),
                          Eigen::Vector3d::UnitZ()))
           .toRotationMatrix();
-  pose.translation() << 1.5 * std::sin(0.5 * t) + 0.03 * std::sin(9.0 * t), 0.02 * std::sin(11.0 * t),
-      3.5 * t + 0.3 * std::sin(2.2 * t);
+  pose.translation() << lively * (1.5 * std::sin(0.5 * t) + 0.03 * std::sin(9.0 * t)),
+      lively * 0.02 * std::sin(11.0 * t), drive.speed * t + lively * 0.3 * std::sin(2.2 * t);
   return pose;
 }
 
@@ -297,6 +301,26 @@ TEST(TrackWindow, FindsAnUnknownGlobalShutter) {
   expectConsistent(errors);
   EXPECT_LT(std::abs(errors.readout), 0.4e-3);
   EXPECT_LT(motionOf(errors), 0.26e-3);
+}
+
+// Errors of the velocities are not information on the readout.
+TEST(TrackWindow, LearnsNoReadoutAtRest) {
+  const Errors errors =
+      drivenWith({.readout = 0.0, .told = 0.032, .told_stddev = 0.0128, .speed = 0.0, .lively = 0.0});
+  EXPECT_EQ(errors.failed, 0);
+  EXPECT_GT(errors.readout_stddev, 0.01);
+  EXPECT_NEAR(errors.readout, 0.032, 0.0064);
+}
+
+TEST(TrackWindow, StatesTheErrorOfAReadoutOnCalmDrives) {
+  for (const double lively : {0.1, 0.0})
+    for (const unsigned seed : {1u, 2u}) {
+      const Errors errors = drivenWith(
+          {.readout = 0.0, .told = 0.0, .told_stddev = 0.0128, .speed = 2.0, .lively = lively, .seed = seed});
+      EXPECT_EQ(errors.failed, 0);
+      EXPECT_LT(std::abs(errors.readout), 3.0 * errors.readout_stddev);
+      EXPECT_LT(errors.readout_stddev, 0.004);
+    }
 }
 
 TEST(TrackWindow, FollowsAMountThatShakes) {

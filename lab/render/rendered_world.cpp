@@ -24,7 +24,6 @@
 #include "lab/render/tracing/renderer.hpp"
 #include "lab/render/tracing/scene.hpp"
 #include "lab/render/tracing/veiling_glare.hpp"
-#include "lab/render/validated_settings.hpp"
 
 namespace cartvo::world {
 namespace {

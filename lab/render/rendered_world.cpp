@@ -14,6 +14,7 @@
 #include "lab/render/scene/steps.hpp"
 #include "lab/render/scene/traffic.hpp"
 #include "lab/render/surface/hash.hpp"
+#include "lab/render/tracing/lens_drops.hpp"
 #include "lab/render/tracing/scene.hpp"
 #include "lab/render/tracing/veiling_glare.hpp"
 

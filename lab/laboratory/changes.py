@@ -152,14 +152,9 @@ class Lens:
         import numpy as np
         x, y = np.meshgrid(np.arange(border, width - border, dtype=float), np.arange(border, height - border, dtype=float))
         points = np.stack([x, y], axis=-1).reshape(-1, 1, 2)
-        undistort, project = (cv2.fisheye.undistortPoints, cv2.fisheye.projectPoints) if self.is_wide else (cv2.undistortPoints, cv2.projectPoints)
-        distortion = self.distortion[:4] if self.is_wide else self.distortion
-        rays = cv2.convertPointsToHomogeneous(undistort(points, self.matrix, distortion)).reshape(-1, 3) @ rotation.T
-        zero = np.zeros(3)
-        if self.is_wide:
-            places, _ = project(rays.reshape(-1, 1, 3), zero, zero, self.matrix, distortion)
-        else:
-            places, _ = project(rays.reshape(-1, 1, 3), zero, zero, self.matrix, distortion)
+        model, distortion = (cv2.fisheye, self.distortion[:4]) if self.is_wide else (cv2, self.distortion)
+        rays = cv2.convertPointsToHomogeneous(model.undistortPoints(points, self.matrix, distortion)).reshape(-1, 3) @ rotation.T
+        places, _ = model.projectPoints(rays.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), self.matrix, distortion)
         return places.reshape(x.shape[0], x.shape[1], 2).astype(np.float32)
 
 

@@ -1,30 +1,22 @@
 // Combines path, campus, drive, traffic, cameras and light into simulated images with ground truth.
 #include "lab/render/rendered_world.hpp"
 
-#include <array>
 #include <cmath>
 #include <mutex>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include <opencv2/core.hpp>
 
-#include "lab/render/motion/drive.hpp"
-#include "lab/render/motion/mount_shake.hpp"
 #include "lab/render/motion/wind.hpp"
 #include "lab/render/scenario_traits.hpp"
 #include "lab/render/scene/campus.hpp"
 #include "lab/render/scene/steps.hpp"
 #include "lab/render/scene/traffic.hpp"
 #include "lab/render/surface/hash.hpp"
-#include "lab/render/tracing/lens.hpp"
 #include "lab/render/tracing/lens_drops.hpp"
-#include "lab/render/tracing/photometry.hpp"
-#include "lab/render/tracing/renderer.hpp"
 #include "lab/render/tracing/scene.hpp"
 #include "lab/render/tracing/veiling_glare.hpp"
-#include "lab/render/validated_settings.hpp"
 
 namespace cartvo::world {
 namespace {
@@ -45,6 +37,12 @@ double rowShare(double row, int rows) {
 
 std::size_t sideIndex(capture::CameraSide side) {
   return side == capture::CameraSide::left ? 0 : 1;
+}
+
+/// Instant of an image, s after the content's start.
+double instantOf(const RenderedWorld& world, int index, capture::CameraSide side) {
+  const bool left = side == capture::CameraSide::left;
+  return 1e-9 * static_cast<double>(left ? world.leftInstant(index) : world.rightInstant(index));
 }
 
 TextureStyle styleOf(const WorldSettings& settings) {
@@ -80,220 +78,140 @@ calib::CameraModel meterModel(const calib::CameraModel& camera) {
 
 }  // namespace
 
-class RenderedWorld::Implementation {
- public:
-  explicit Implementation(const WorldSettings& wanted)
-      : settings(validated(wanted)),
-        rig(simulatedRig(settings)),
-        path(campusPath(settings)),
-        drive(path, settings),
-        lighting(buildLighting(settings, path)),
-        style(styleOf(settings)),
-        rays{RayTable(rig.left), RayTable(rig.right)},
-        meter_model(meterModel(rig.left)),
-        meter_rays(meter_model),
-        T_body_camera{rig.T_body_camera, rig.T_body_camera * rig.T_right_left.inverse()},
-        shake(settings, 0.5 * (T_body_camera[0].translation() + T_body_camera[1].translation())),
-        T_start_map(T_map_body(0.0).inverse()) {}
+/// The part of the world that images need and the truth does not; expensive to build.
+struct RenderedWorld::SceneState {
+  SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
+      : campus(buildCampus(path, settings)),
+        traffic(path, drive, settings, campus),
+        wind(path, settings, campus),
+        scene(campus.meshes, campus.instances,
+              settings.left_readout == 0.0 && settings.right_readout == 0.0 ? 1 : kTimeSteps) {}
 
-  /// Instant of the drive, s, at `seconds` after the content's start.
-  double driveInstant(double seconds) const { return startOf(settings) + seconds; }
-
-  Eigen::Isometry3d T_map_body(double seconds) const {
-    return drive.T_map_body(driveInstant(seconds)) * shake.T_body_shaken(driveInstant(seconds));
-  }
-
-  double readout(std::size_t camera) const {
-    return camera == 0 ? settings.left_readout : settings.right_readout;
-  }
-
-  double instant(int index, capture::CameraSide side) const {
-    const double period = 1.0 / settings.frame_rate;
-    if (side == capture::CameraSide::left) return index * period;
-    return settings.offset_s + index * period * (1.0 + 1e-6 * settings.offset_drift_ppm);
-  }
-  std::int64_t instantNs(int index, capture::CameraSide side) const {
-    return std::llround(1e9 * instant(index, side));
-  }
-
-  cv::Mat image(int index, capture::CameraSide side) {
-    const std::lock_guard lock(mutex);
-    meterExposure();
-    const std::size_t camera = sideIndex(side);
-    const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    const std::uint32_t image_seed =
-        hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(index),
-                static_cast<std::uint32_t>(camera)});
-    SensorSettings sensor;
-    sensor.gain = camera == 0 ? 1.0F : 1.03F;
-    const calib::CameraModel& model = camera == 0 ? rig.left : rig.right;
-    sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
-    sensor.vignette = camera == 0 ? 0.30F : 0.33F;
-    sensor.noise = static_cast<float>(settings.noise);
-    return exposeImage(radianceAt(seconds, camera), exposure->exposure(seconds), sensor,
-                       mixBits(image_seed + 17U), settings.threads);
-  }
-
-  cv::Mat radiance(int index, capture::CameraSide side) {
-    const std::lock_guard lock(mutex);
-    buildSceneState();
-    return radianceAt(1e-9 * static_cast<double>(instantNs(index, side)), sideIndex(side));
-  }
-
-  DepthImage depth(int index, capture::CameraSide side) {
-    const std::lock_guard lock(mutex);
-    const std::size_t camera = sideIndex(side);
-    const double seconds = 1e-9 * static_cast<double>(instantNs(index, side));
-    buildSceneState();
-    moveTo(seconds, readout(camera));
-    DepthImage result;
-    renderDepthAndMotion(scene_state->scene, RenderSettings{0, settings.threads}, rowViewAt(seconds, camera),
-                         result.depth, result.moving);
-    return result;
-  }
-
-  double meanRadiance(double seconds) {
-    const std::lock_guard lock(mutex);
-    buildSceneState();
-    return meanRadianceAt(seconds);
-  }
-
- private:
-  /// The part of the world that images need and the truth does not; expensive to build.
-  struct SceneState {
-    SceneState(const Path& path, const Drive& drive, const WorldSettings& settings)
-        : campus(buildCampus(path, settings)),
-          traffic(path, drive, settings, campus),
-          wind(path, settings, campus),
-          scene(campus.meshes, campus.instances,
-                settings.left_readout == 0.0 && settings.right_readout == 0.0 ? 1 : kTimeSteps) {}
-
-    Campus campus;
-    Traffic traffic;
-    Wind wind;
-    Scene scene;
-  };
-
-  void buildSceneState() {
-    if (scene_state == nullptr) scene_state = std::make_unique<SceneState>(path, drive, settings);
-  }
-
-  /// Moves the objects to their places within a readout whose middle is at `seconds`.
-  void moveTo(double seconds, double readout) {
-    Scene& scene = scene_state->scene;
-    for (int step = 0; step < scene.timeSteps(); ++step) {
-      const double share = scene.timeSteps() == 1 ? 0.0 : static_cast<double>(step) / (kTimeSteps - 1) - 0.5;
-      const double instant = driveInstant(seconds + share * readout);
-      scene_state->traffic.placeAt(instant, scene_state->campus.instances);
-      scene_state->wind.placeAt(instant, scene_state->campus.instances);
-      scene.place(step);
-    }
-    scene.update();
-  }
-
-  /// A camera all of whose rows are exposed at `seconds`.
-  View viewAt(double seconds, const RayTable& table, std::size_t camera) const {
-    const Eigen::Isometry3d T_map_camera = T_map_body(seconds) * T_body_camera[camera];
-    View view;
-    view.rays = &table;
-    view.size = settings.image_size;
-    view.T_map_camera = {T_map_camera.cast<float>()};
-    view.sample_seed = samplePatternSeed(T_map_camera);
-    return view;
-  }
-
-  /// A camera whose middle row is exposed at `seconds` and each row at its own instant.
-  View rowViewAt(double seconds, std::size_t camera) const {
-    View view = viewAt(seconds, rays[camera], camera);
-    if (readout(camera) == 0.0) return view;
-    view.T_map_camera.clear();
-    for (int row = 0; row < view.size.height; ++row) {
-      const double instant = seconds + readout(camera) * rowShare(row, view.size.height);
-      view.T_map_camera.emplace_back((T_map_body(instant) * T_body_camera[camera]).cast<float>());
-    }
-    return view;
-  }
-
-  cv::Mat radianceAt(double seconds, std::size_t camera) {
-    moveTo(seconds, readout(camera));
-    const RenderSettings sampling{settings.edge_samples, settings.threads};
-    cv::Mat radiance =
-        renderRadiance(scene_state->scene, lighting, style, sampling, rowViewAt(seconds, camera));
-    addVeilingGlare(radiance, (camera == 0 ? rig.left : rig.right).fx);
-    if (traitsOf(settings.scenario).drops_on_lens)
-      addLensDrops(radiance,
-                   hashOf({static_cast<std::uint32_t>(settings.seed), static_cast<std::uint32_t>(camera)}));
-    return radiance;
-  }
-
-  /// Mean radiance of the left camera's view.
-  double meanRadianceAt(double seconds) {
-    moveTo(seconds, 0.0);
-    View view = viewAt(seconds, meter_rays, 0);
-    view.size = meter_model.size;
-    cv::Mat radiance =
-        renderRadiance(scene_state->scene, lighting, style, RenderSettings{0, settings.threads}, view);
-    addVeilingGlare(radiance, meter_model.fx);
-    return cv::mean(cv::min(radiance, kMaxMeteredRadiance))[0];
-  }
-
-  /// Builds the scene and meters the radiance over the drive, once.
-  void meterExposure() {
-    buildSceneState();
-    if (exposure) return;
-    std::vector<double> metered;
-    for (const double t : stepsBelow(settings.seconds + 1.0, 0.0, ExposureControl::kMeterStep))
-      metered.push_back(meanRadianceAt(t));
-    exposure.emplace(settings, metered);
-  }
-
- public:
-  const WorldSettings settings;
-  const calib::Rig rig;
-  const Path path;
-  const Drive drive;
-  const Lighting lighting;
-  const TextureStyle style;
-  const std::array<RayTable, 2> rays;
-  const calib::CameraModel meter_model;
-  const RayTable meter_rays;
-  const std::array<Eigen::Isometry3d, 2> T_body_camera;
-  const MountShake shake;
-  const Eigen::Isometry3d T_start_map;
-  std::unique_ptr<SceneState> scene_state;  ///< built with the first image
-  std::optional<ExposureControl> exposure;  ///< metered with the first image
-  std::mutex mutex;  ///< guards scene_state and exposure; the scene is moved for each image
+  Campus campus;
+  Traffic traffic;
+  Wind wind;
+  Scene scene;
 };
 
 RenderedWorld::RenderedWorld(const WorldSettings& settings)
-    : implementation_(std::make_unique<Implementation>(settings)) {}
+    : settings_(validated(settings)),
+      rig_(simulatedRig(settings_)),
+      path_(campusPath(settings_)),
+      drive_(path_, settings_),
+      lighting_(buildLighting(settings_, path_)),
+      style_(styleOf(settings_)),
+      rays_{RayTable(rig_.left), RayTable(rig_.right)},
+      meter_model_(meterModel(rig_.left)),
+      meter_rays_(meter_model_),
+      T_body_camera_{rig_.T_body_camera, rig_.T_body_camera * rig_.T_right_left.inverse()},
+      shake_(settings_, 0.5 * (T_body_camera_[0].translation() + T_body_camera_[1].translation())),
+      T_start_map_(T_map_body(0.0).inverse()) {}
 
 RenderedWorld::~RenderedWorld() = default;
 
-calib::Rig RenderedWorld::rig() const {
-  return implementation_->rig;
+/// Instant of the drive, s, at `seconds` after the content's start.
+double RenderedWorld::driveInstant(double seconds) const {
+  return startOf(settings_) + seconds;
 }
 
-double RenderedWorld::frameRate() const {
-  return implementation_->settings.frame_rate;
+Eigen::Isometry3d RenderedWorld::T_map_body(double seconds) const {
+  return drive_.T_map_body(driveInstant(seconds)) * shake_.T_body_shaken(driveInstant(seconds));
+}
+
+double RenderedWorld::readout(std::size_t camera) const {
+  return camera == 0 ? settings_.left_readout : settings_.right_readout;
+}
+
+RenderedWorld::SceneState& RenderedWorld::sceneState() const {
+  if (scene_state_ == nullptr) scene_state_ = std::make_unique<SceneState>(path_, drive_, settings_);
+  return *scene_state_;
+}
+
+/// Moves the objects to their places within a readout whose middle is at `seconds`.
+void RenderedWorld::moveTo(double seconds, double readout) const {
+  SceneState& state = sceneState();
+  for (int step = 0; step < state.scene.timeSteps(); ++step) {
+    const double share =
+        state.scene.timeSteps() == 1 ? 0.0 : static_cast<double>(step) / (kTimeSteps - 1) - 0.5;
+    const double instant = driveInstant(seconds + share * readout);
+    state.traffic.placeAt(instant, state.campus.instances);
+    state.wind.placeAt(instant, state.campus.instances);
+    state.scene.place(step);
+  }
+  state.scene.update();
+}
+
+/// A camera all of whose rows are exposed at `seconds`.
+View RenderedWorld::viewAt(double seconds, const RayTable& table, std::size_t camera) const {
+  const Eigen::Isometry3d T_map_camera = T_map_body(seconds) * T_body_camera_[camera];
+  View view;
+  view.rays = &table;
+  view.size = settings_.image_size;
+  view.T_map_camera = {T_map_camera.cast<float>()};
+  view.sample_seed = samplePatternSeed(T_map_camera);
+  return view;
+}
+
+/// A camera whose middle row is exposed at `seconds` and each row at its own instant.
+View RenderedWorld::rowViewAt(double seconds, std::size_t camera) const {
+  View view = viewAt(seconds, rays_[camera], camera);
+  if (readout(camera) == 0.0) return view;
+  view.T_map_camera.clear();
+  for (int row = 0; row < view.size.height; ++row) {
+    const double instant = seconds + readout(camera) * rowShare(row, view.size.height);
+    view.T_map_camera.emplace_back((T_map_body(instant) * T_body_camera_[camera]).cast<float>());
+  }
+  return view;
+}
+
+cv::Mat RenderedWorld::radianceAt(double seconds, std::size_t camera) const {
+  moveTo(seconds, readout(camera));
+  const RenderSettings sampling{settings_.edge_samples, settings_.threads};
+  cv::Mat radiance =
+      renderRadiance(sceneState().scene, lighting_, style_, sampling, rowViewAt(seconds, camera));
+  addVeilingGlare(radiance, (camera == 0 ? rig_.left : rig_.right).fx);
+  if (traitsOf(settings_.scenario).drops_on_lens)
+    addLensDrops(radiance,
+                 hashOf({static_cast<std::uint32_t>(settings_.seed), static_cast<std::uint32_t>(camera)}));
+  return radiance;
+}
+
+double RenderedWorld::meanRadianceAt(double seconds) const {
+  moveTo(seconds, 0.0);
+  View view = viewAt(seconds, meter_rays_, 0);
+  view.size = meter_model_.size;
+  cv::Mat radiance =
+      renderRadiance(sceneState().scene, lighting_, style_, RenderSettings{0, settings_.threads}, view);
+  addVeilingGlare(radiance, meter_model_.fx);
+  return cv::mean(cv::min(radiance, kMaxMeteredRadiance))[0];
+}
+
+/// Meters the radiance over the drive, once.
+void RenderedWorld::meterExposure() const {
+  if (exposure_) return;
+  std::vector<double> metered;
+  for (const double t : stepsBelow(settings_.seconds + 1.0, 0.0, ExposureControl::kMeterStep))
+    metered.push_back(meanRadianceAt(t));
+  exposure_.emplace(settings_, metered);
 }
 
 int RenderedWorld::pairCount() const {
-  return std::max(1, static_cast<int>(std::floor(implementation_->settings.seconds * frameRate())));
+  return std::max(1, static_cast<int>(std::floor(settings_.seconds * frameRate())));
 }
 
 std::int64_t RenderedWorld::leftInstant(int index) const {
-  return implementation_->instantNs(index, capture::CameraSide::left);
+  return std::llround(1e9 * (index * (1.0 / settings_.frame_rate)));
 }
 
 std::int64_t RenderedWorld::rightInstant(int index) const {
-  return implementation_->instantNs(index, capture::CameraSide::right);
+  const double period = 1.0 / settings_.frame_rate;
+  return std::llround(1e9 *
+                      (settings_.offset_s + index * period * (1.0 + 1e-6 * settings_.offset_drift_ppm)));
 }
 
 double RenderedWorld::rowInstant(int index, capture::CameraSide side, double row) const {
-  return 1e-9 * static_cast<double>(implementation_->instantNs(index, side)) +
-         implementation_->readout(sideIndex(side)) *
-             rowShare(row, implementation_->settings.image_size.height);
+  return instantOf(*this, index, side) +
+         readout(sideIndex(side)) * rowShare(row, settings_.image_size.height);
 }
 
 void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
@@ -301,32 +219,51 @@ void RenderedWorld::images(int index, cv::Mat& left, cv::Mat& right) const {
   right = image(index, capture::CameraSide::right);
 }
 
-const WorldSettings& RenderedWorld::settings() const {
-  return implementation_->settings;
-}
-
 cv::Mat RenderedWorld::image(int index, capture::CameraSide side) const {
-  return implementation_->image(index, side);
+  const std::lock_guard lock(mutex_);
+  meterExposure();
+  const std::size_t camera = sideIndex(side);
+  const double seconds = instantOf(*this, index, side);
+  const std::uint32_t image_seed =
+      hashOf({static_cast<std::uint32_t>(settings_.seed), static_cast<std::uint32_t>(index),
+              static_cast<std::uint32_t>(camera)});
+  SensorSettings sensor;
+  sensor.gain = camera == 0 ? 1.0F : 1.03F;
+  const calib::CameraModel& model = camera == 0 ? rig_.left : rig_.right;
+  sensor.vignette_centre = cv::Point2f(static_cast<float>(model.cx), static_cast<float>(model.cy));
+  sensor.vignette = camera == 0 ? 0.30F : 0.33F;
+  sensor.noise = static_cast<float>(settings_.noise);
+  return exposeImage(radianceAt(seconds, camera), exposure_->exposure(seconds), sensor,
+                     mixBits(image_seed + 17U), settings_.threads);
 }
 
 cv::Mat RenderedWorld::radiance(int index, capture::CameraSide side) const {
-  return implementation_->radiance(index, side);
+  const std::lock_guard lock(mutex_);
+  return radianceAt(instantOf(*this, index, side), sideIndex(side));
 }
 
 DepthImage RenderedWorld::renderDepth(int index, capture::CameraSide side) const {
-  return implementation_->depth(index, side);
+  const std::lock_guard lock(mutex_);
+  const std::size_t camera = sideIndex(side);
+  const double seconds = instantOf(*this, index, side);
+  moveTo(seconds, readout(camera));
+  DepthImage result;
+  renderDepthAndMotion(sceneState().scene, RenderSettings{0, settings_.threads}, rowViewAt(seconds, camera),
+                       result.depth, result.moving);
+  return result;
 }
 
 double RenderedWorld::meanRadiance(double seconds) const {
-  return implementation_->meanRadiance(seconds);
+  const std::lock_guard lock(mutex_);
+  return meanRadianceAt(seconds);
 }
 
 Eigen::Isometry3d RenderedWorld::T_world_body(double seconds) const {
-  return implementation_->T_start_map * implementation_->T_map_body(seconds);
+  return T_start_map_ * T_map_body(seconds);
 }
 
 bool RenderedWorld::startsAtStandstill() const {
-  return implementation_->drive.speed(implementation_->driveInstant(0.0)) == 0.0;
+  return drive_.speed(driveInstant(0.0)) == 0.0;
 }
 
 Trajectory RenderedWorld::truth() const {
@@ -353,7 +290,7 @@ Trajectory RenderedWorld::denseTruth() const {
 }
 
 std::string RenderedWorld::cacheKey() const {
-  const WorldSettings& s = implementation_->settings;
+  const WorldSettings& s = settings_;
   std::ostringstream key;
   key.precision(17);
   key << "world-" << kRenderVersion << '-' << scenarioName(s.scenario) << "-seed" << s.seed << '-'

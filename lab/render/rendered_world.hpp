@@ -1,12 +1,26 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
 
+#include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
+#include "lab/render/motion/drive.hpp"
+#include "lab/render/motion/mount_shake.hpp"
+#include "lab/render/scene/path.hpp"
+#include "lab/render/surface/lighting.hpp"
+#include "lab/render/surface/material.hpp"
+#include "lab/render/tracing/lens.hpp"
+#include "lab/render/tracing/photometry.hpp"
+#include "lab/render/tracing/renderer.hpp"
 #include "lab/render/world_settings.hpp"
 #include "tools/simulate/content.hpp"
 
@@ -29,8 +43,8 @@ class RenderedWorld final : public simulate::Content {
   RenderedWorld(const RenderedWorld&) = delete;
   RenderedWorld& operator=(const RenderedWorld&) = delete;
 
-  calib::Rig rig() const override;
-  double frameRate() const override;
+  calib::Rig rig() const override { return rig_; }
+  double frameRate() const override { return settings_.frame_rate; }
   int pairCount() const override;
   std::int64_t leftInstant(int index) const override;
   std::int64_t rightInstant(int index) const override;
@@ -41,7 +55,7 @@ class RenderedWorld final : public simulate::Content {
   Trajectory denseTruth() const override;
   std::string cacheKey() const override;
 
-  const WorldSettings& settings() const;
+  const WorldSettings& settings() const { return settings_; }
 
   /// The image of one camera (CV_8UC1).
   cv::Mat image(int index, capture::CameraSide side) const;
@@ -66,8 +80,34 @@ class RenderedWorld final : public simulate::Content {
   Eigen::Isometry3d T_world_body(double seconds) const;
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  struct SceneState;
+
+  double driveInstant(double seconds) const;
+  Eigen::Isometry3d T_map_body(double seconds) const;
+  double readout(std::size_t camera) const;
+  SceneState& sceneState() const;
+  void moveTo(double seconds, double readout) const;
+  View viewAt(double seconds, const RayTable& table, std::size_t camera) const;
+  View rowViewAt(double seconds, std::size_t camera) const;
+  cv::Mat radianceAt(double seconds, std::size_t camera) const;
+  double meanRadianceAt(double seconds) const;
+  void meterExposure() const;
+
+  const WorldSettings settings_;
+  const calib::Rig rig_;
+  const Path path_;
+  const Drive drive_;
+  const Lighting lighting_;
+  const TextureStyle style_;
+  const std::array<RayTable, 2> rays_;
+  const calib::CameraModel meter_model_;
+  const RayTable meter_rays_;
+  const std::array<Eigen::Isometry3d, 2> T_body_camera_;
+  const MountShake shake_;
+  const Eigen::Isometry3d T_start_map_;
+  mutable std::unique_ptr<SceneState> scene_state_;  ///< built with the first image
+  mutable std::optional<ExposureControl> exposure_;  ///< metered with the first image
+  mutable std::mutex mutex_;  ///< guards scene_state_ and exposure_; the scene is moved for each image
 };
 
 }  // namespace cartvo::world

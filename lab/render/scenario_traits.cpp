@@ -1,8 +1,10 @@
-// The data that makes each scenario.
+// The name of each scenario and the data that makes it.
 #include "lab/render/scenario_traits.hpp"
 
+#include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace cartvo::world {
 namespace {
@@ -10,14 +12,11 @@ namespace {
 constexpr LightLevels kOvercast{.sun = 0.15F, .sky = 0.6F, .ground = 0.15F};  // almost no shadows
 constexpr LightLevels kDusk{.sun = 0.0F, .sky = 0.23F * 0.05F, .ground = 0.06F * 0.05F};
 constexpr LightLevels kLamps{.sun = 0.0F, .sky = 0.08F, .ground = 0.04F};
-constexpr double kRough = 0.032;  // m, amplitude of a rough road
-constexpr double kRocks = 0.19;   // m, obstacles of a rough road
-constexpr float kSmooth = 0.3F;   // contrast of smooth surfaces
-
-std::vector<Eigen::Vector2d> campusLap() {
-  return {{0, 0},    {70, 0},   {92, -27},  {138, -27}, {138, -95},
-          {52, -95}, {34, -72}, {-20, -72}, {-45, -52}, {-45, 0}};
-}
+constexpr double kRough = 0.032;                           // m, amplitude of a rough road
+constexpr double kRocks = 0.19;                            // m, obstacles of a rough road
+constexpr float kSmooth = 0.3F;                            // contrast of smooth surfaces
+constexpr double kTightRadius = 7.5, kTightScatter = 1.0;  // m, of a path with one tight bend after the other
+constexpr double kDenseTraffic = 17.0;                     // m between vehicles
 
 std::vector<Eigen::Vector2d> windingLane() {
   return {{0, 0},     {18, 0},    {34, 17},   {56, -3},  {78, 15},  {97, -12},
@@ -38,239 +37,129 @@ std::vector<Eigen::Vector2d> garageLoop() {
   return {{34, 0}, {60, 0}, {60, -30}, {0, -30}, {0, 0}};
 }
 
-ScenarioTraits campus() {
-  ScenarioTraits traits;
-  traits.polygon = campusLap();
-  return traits;
-}
-
-/// A path with one tight bend after the other.
-ScenarioTraits lane() {
-  ScenarioTraits traits;
-  traits.polygon = windingLane();
-  traits.corner_radius = 7.5;
-  traits.corner_scatter = 1.0;
-  return traits;
-}
-
-ScenarioTraits loop() {
-  ScenarioTraits traits = campus();
-  traits.polygon = shortLoop();
-  return traits;
-}
-
-ScenarioTraits turns() {
-  ScenarioTraits traits = lane();
-  traits.road.left_kerb = 2.6;
-  traits.vehicle_spacing = 0.0;
-  return traits;
-}
-
-ScenarioTraits traffic() {
-  ScenarioTraits traits = campus();
-  traits.vehicle_spacing = 17.0;
-  traits.bus_ahead = true;
-  return traits;
-}
-
-ScenarioTraits standing() {
-  ScenarioTraits traits = campus();
-  traits.vehicle_spacing = 17.0;
-  traits.overtaking = true;
-  traits.vehicle_ahead = false;
-  return traits;
-}
-
-ScenarioTraits underpass() {
-  ScenarioTraits traits = campus();
-  traits.underpasses = true;
-  return traits;
-}
-
-ScenarioTraits glare() {
-  ScenarioTraits traits = campus();
-  traits.low_sun = LowSun{};
-  return traits;
-}
-
-ScenarioTraits dusk() {
-  ScenarioTraits traits = campus();
-  traits.light = kDusk;
-  return traits;
-}
-
 ScenarioTraits lowTexture() {
-  ScenarioTraits traits = campus();
-  traits.roughness = 0.003;
-  traits.sparse = true;
-  traits.vehicle_spacing = 140.0;
-  traits.vehicle_ahead = false;
-  traits.walkers = Walkers::none;
-  traits.light = kOvercast;
-  traits.texture_contrast = kSmooth;
-  return traits;
-}
-
-ScenarioTraits bumpy() {
-  ScenarioTraits traits = campus();
-  traits.roughness = kRough;
-  traits.obstacles = kRocks;
-  return traits;
-}
-
-ScenarioTraits reversing() {
-  ScenarioTraits traits = campus();
-  traits.vehicle_ahead = false;
-  return traits;
+  return {.roughness = 0.003,
+          .sparse = true,
+          .vehicle_spacing = 140.0,
+          .vehicle_ahead = false,
+          .walkers = Walkers::none,
+          .light = kOvercast,
+          .texture_contrast = kSmooth};
 }
 
 ScenarioTraits motorway() {
-  ScenarioTraits traits = campus();
-  traits.polygon = motorwayLoop();
-  traits.corner_radius = 200.0;
-  traits.road = {.right_kerb = -7.0, .left_kerb = 16.0};
-  traits.roughness = 0.001;
-  traits.sparse = traits.open = true;
-  traits.vehicle_spacing = 0.0;
-  traits.walkers = Walkers::none;
-  traits.texture_contrast = kSmooth;
-  return traits;
-}
-
-ScenarioTraits rough() {
-  ScenarioTraits traits = campus();
-  traits.roughness = 0.06;
-  return traits;
+  return {.polygon = motorwayLoop(),
+          .corner_radius = 200.0,
+          .road = {.right_kerb = -7.0, .left_kerb = 16.0},
+          .roughness = 0.001,
+          .sparse = true,
+          .open = true,
+          .vehicle_spacing = 0.0,
+          .walkers = Walkers::none,
+          .texture_contrast = kSmooth};
 }
 
 ScenarioTraits garage() {
-  ScenarioTraits traits = campus();
-  traits.polygon = garageLoop();
-  traits.corner_radius = 6.0;
-  traits.corner_scatter = 0.3;
-  traits.terrain.relief = 0.0;
-  traits.roughness = 0.002;
-  traits.garage = true;
-  traits.vehicle_spacing = 0.0;
-  traits.walkers = Walkers::none;
-  traits.light = kLamps;
-  traits.lamp_spacing = 5.0;
-  return traits;
+  return {.polygon = garageLoop(),
+          .corner_radius = 6.0,
+          .corner_scatter = 0.3,
+          .terrain = {.relief = 0.0},
+          .roughness = 0.002,
+          .garage = true,
+          .vehicle_spacing = 0.0,
+          .walkers = Walkers::none,
+          .light = kLamps,
+          .lamp_spacing = 5.0};
 }
 
 ScenarioTraits hedges() {
-  ScenarioTraits traits = lane();
-  traits.road = {.right_kerb = -1.5, .left_kerb = 1.5, .pavement_width = 0.0};
-  traits.lining = Lining::hedge;
-  traits.vehicle_spacing = 0.0;
-  traits.walkers = Walkers::none;
-  return traits;
-}
-
-ScenarioTraits rain() {
-  ScenarioTraits traits = campus();
-  traits.light = kOvercast;
-  traits.drops_on_lens = true;
-  return traits;
-}
-
-ScenarioTraits flicker() {
-  ScenarioTraits traits = campus();
-  traits.avenue = true;
-  traits.houses = false;
-  traits.low_sun = LowSun{.bearing = -0.44, .elevation = 0.25};
-  return traits;
-}
-
-ScenarioTraits slope() {
-  ScenarioTraits traits = campus();
-  traits.terrain.relief = 4.0;
-  return traits;
+  return {.polygon = windingLane(),
+          .corner_radius = kTightRadius,
+          .corner_scatter = kTightScatter,
+          .road = {.right_kerb = -1.5, .left_kerb = 1.5, .pavement_width = 0.0},
+          .lining = Lining::hedge,
+          .vehicle_spacing = 0.0,
+          .walkers = Walkers::none};
 }
 
 ScenarioTraits bridge() {
-  ScenarioTraits traits = campus();
-  traits.terrain.land_depth = 18.0;
-  traits.road = {.right_kerb = -2.2, .left_kerb = 5.2, .pavement_width = 0.6, .verge_width = 0.0};
-  traits.sparse = traits.open = true;
-  traits.lining = Lining::railing;
-  traits.walkers = Walkers::none;
-  return traits;
+  return {.terrain = {.land_depth = 18.0},
+          .road = {.right_kerb = -2.2, .left_kerb = 5.2, .pavement_width = 0.6, .verge_width = 0.0},
+          .sparse = true,
+          .open = true,
+          .lining = Lining::railing,
+          .walkers = Walkers::none};
 }
 
-ScenarioTraits crowd() {
-  ScenarioTraits traits = campus();
-  traits.vehicle_spacing = 0.0;
-  traits.walkers = Walkers::crowd;
-  return traits;
+using NamedTraits = std::pair<std::string_view, ScenarioTraits>;
+
+/// In the order of the enumeration.
+const auto& scenarios() {
+  static const std::array<NamedTraits, 25> kScenarios{{
+      {"campus", {}},
+      {"loop", {.polygon = shortLoop()}},
+      {"turns",
+       {.polygon = windingLane(),
+        .corner_radius = kTightRadius,
+        .corner_scatter = kTightScatter,
+        .road = {.left_kerb = 2.6},
+        .vehicle_spacing = 0.0}},
+      {"traffic", {.vehicle_spacing = kDenseTraffic, .bus_ahead = true}},
+      {"standing", {.vehicle_spacing = kDenseTraffic, .overtaking = true, .vehicle_ahead = false}},
+      {"stop_and_go", {}},
+      {"exposure", {}},
+      {"underpass", {.underpasses = true}},
+      {"glare", {.low_sun = LowSun{}}},
+      {"dusk", {.light = kDusk}},
+      {"low_texture", lowTexture()},
+      {"bumpy", {.roughness = kRough, .obstacles = kRocks}},
+      {"reversing", {.vehicle_ahead = false}},
+      {"motorway", motorway()},
+      {"rough", {.roughness = 0.06}},
+      {"rough_road", {.roughness = kRough, .obstacles = kRocks}},
+      {"garage", garage()},
+      {"hedges", hedges()},
+      {"rain", {.light = kOvercast, .drops_on_lens = true}},
+      {"flicker", {.houses = false, .avenue = true, .low_sun = LowSun{.bearing = -0.44, .elevation = 0.25}}},
+      {"slope", {.terrain = {.relief = 4.0}}},
+      {"bridge", bridge()},
+      {"crowd", {.vehicle_spacing = 0.0, .walkers = Walkers::crowd}},
+      {"wind", {.avenue = true, .wind = true}},
+      {"tunnel", {.corner_scatter = 0.0, .tunnel_exit = 16.0}},
+  }};
+  return kScenarios;
 }
 
-ScenarioTraits wind() {
-  ScenarioTraits traits = campus();
-  traits.avenue = traits.wind = true;
-  return traits;
-}
-
-ScenarioTraits tunnel() {
-  ScenarioTraits traits = campus();
-  traits.corner_scatter = 0.0;
-  traits.tunnel_exit = 16.0;
-  return traits;
+const NamedTraits& find(Scenario scenario) {
+  const auto number = static_cast<std::size_t>(scenario);
+  if (number < scenarios().size()) return scenarios()[number];
+  throw std::invalid_argument("unknown scenario number " + std::to_string(number));
 }
 
 }  // namespace
 
-ScenarioTraits traitsOf(Scenario scenario) {
-  switch (scenario) {
-    case Scenario::campus:
-    case Scenario::stop_and_go:
-    case Scenario::exposure:
-      return campus();
-    case Scenario::loop:
-      return loop();
-    case Scenario::turns:
-      return turns();
-    case Scenario::traffic:
-      return traffic();
-    case Scenario::standing:
-      return standing();
-    case Scenario::underpass:
-      return underpass();
-    case Scenario::glare:
-      return glare();
-    case Scenario::dusk:
-      return dusk();
-    case Scenario::low_texture:
-      return lowTexture();
-    case Scenario::bumpy:
-    case Scenario::rough_road:
-      return bumpy();
-    case Scenario::reversing:
-      return reversing();
-    case Scenario::motorway:
-      return motorway();
-    case Scenario::rough:
-      return rough();
-    case Scenario::garage:
-      return garage();
-    case Scenario::hedges:
-      return hedges();
-    case Scenario::rain:
-      return rain();
-    case Scenario::flicker:
-      return flicker();
-    case Scenario::slope:
-      return slope();
-    case Scenario::bridge:
-      return bridge();
-    case Scenario::crowd:
-      return crowd();
-    case Scenario::wind:
-      return wind();
-    case Scenario::tunnel:
-      return tunnel();
+std::vector<Scenario> allScenarios() {
+  std::vector<Scenario> all;
+  for (std::size_t number = 0; number < scenarios().size(); ++number)
+    all.push_back(static_cast<Scenario>(number));
+  return all;
+}
+
+std::string_view scenarioName(Scenario scenario) {
+  return find(scenario).first;
+}
+
+Scenario scenarioFromName(std::string_view name) {
+  std::string known;
+  for (const Scenario scenario : allScenarios()) {
+    if (scenarioName(scenario) == name) return scenario;
+    known += (known.empty() ? "" : ", ") + std::string(scenarioName(scenario));
   }
-  throw std::invalid_argument("unknown scenario number " + std::to_string(static_cast<int>(scenario)));
+  throw std::invalid_argument("unknown scenario '" + std::string(name) + "'; there are: " + known);
+}
+
+const ScenarioTraits& traitsOf(Scenario scenario) {
+  return find(scenario).second;
 }
 
 }  // namespace cartvo::world

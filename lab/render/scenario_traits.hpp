@@ -32,11 +32,13 @@ enum class Walkers : std::uint8_t { none, few, crowd };
 
 /// Properties that distinguish the world of a scenario, as data. The defaults are those of the campus.
 struct ScenarioTraits {
-  std::vector<Eigen::Vector2d> polygon;  ///< of the closed path, m
-  double corner_radius = 11.5;           ///< m
-  double corner_scatter = 4.0;           ///< m, by which the seed moves each corner
-  Terrain terrain;
-  RoadProfile road;
+  /// Of the closed path, m.
+  std::vector<Eigen::Vector2d> polygon{{0, 0},    {70, 0},   {92, -27},  {138, -27}, {138, -95},
+                                       {52, -95}, {34, -72}, {-20, -72}, {-45, -52}, {-45, 0}};
+  double corner_radius = 11.5;  ///< m
+  double corner_scatter = 4.0;  ///< m, by which the seed moves each corner
+  Terrain terrain{};
+  RoadProfile road{};
   double roughness = 0.006;  ///< m, amplitude of the road's heights
   double obstacles = 0.055;  ///< m, height of the highest kerb that the wheels of a lively drive meet
 
@@ -44,10 +46,10 @@ struct ScenarioTraits {
   bool sparse = false;  ///< few objects
   bool open = false;    ///< no objects near the path
   bool houses = true;
-  Lining lining = Lining::none;       ///< of the road's borders
-  bool avenue = false;                ///< trees at equal distances on both sides
-  bool underpasses = false;           ///< below broad bridges
-  std::optional<double> tunnel_exit;  ///< m along the path; the drive begins in the tunnel
+  Lining lining = Lining::none;         ///< of the road's borders
+  bool avenue = false;                  ///< trees at equal distances on both sides
+  bool underpasses = false;             ///< below broad bridges
+  std::optional<double> tunnel_exit{};  ///< m along the path; the drive begins in the tunnel
 
   double vehicle_spacing = 55.0;  ///< m between vehicles; 0: none
   bool bus_ahead = false;         ///< close, in place of a car farther ahead
@@ -56,13 +58,13 @@ struct ScenarioTraits {
   Walkers walkers = Walkers::few;
   bool wind = false;  ///< moves trees, bushes and fallen leaves
 
-  LightLevels light;
-  std::optional<LowSun> low_sun;
+  LightLevels light{};
+  std::optional<LowSun> low_sun{};
   double lamp_spacing = 0.0;      ///< m between the lamps of a ceiling; 0: none
   float texture_contrast = 1.0F;  ///< see TextureStyle
   bool drops_on_lens = false;
 };
 
-ScenarioTraits traitsOf(Scenario scenario);
+const ScenarioTraits& traitsOf(Scenario scenario);
 
 }  // namespace cartvo::world

@@ -40,7 +40,7 @@ enum class Scenario : std::uint8_t {
 };
 
 /// All scenarios in the order of the enumeration.
-const std::vector<Scenario>& allScenarios();
+std::vector<Scenario> allScenarios();
 
 /// Name of a scenario as on the command line: that of the enumerator.
 std::string_view scenarioName(Scenario scenario);
@@ -83,5 +83,8 @@ struct WorldSettings {
 
 /// Instant of the drive at which the pictures begin, s.
 double startOf(const WorldSettings& settings);
+
+/// The settings; throws std::invalid_argument that names the first one out of range.
+const WorldSettings& validated(const WorldSettings& settings);
 
 }  // namespace cartvo::world

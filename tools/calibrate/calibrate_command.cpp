@@ -1,14 +1,7 @@
 // `cartvo calibrate`: calibrates the cameras, their relative pose and their mounting on the cart.
 
 #include "common/command_line/parser.hpp"
-#include "tools/calibrate/board/calibrate_board.hpp"
-#include "tools/calibrate/calibrate_convert.hpp"
-#include "tools/calibrate/calibrate_rig.hpp"
-#include "tools/calibrate/check/calibrate_check.hpp"
-#include "tools/calibrate/mask/calibrate_mask.hpp"
-#include "tools/calibrate/mount/calibrate_mount.hpp"
-#include "tools/calibrate/plan/calibrate_plan.hpp"
-#include "tools/calibrate/readout/calibrate_readout.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/commands.hpp"
 
 namespace cartvo {

@@ -1,6 +1,4 @@
 // `cartvo calibrate convert`: converts rigs from and to other tools' file formats.
-#include "tools/calibrate/calibrate_convert.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,6 +16,7 @@
 #include "common/command_line/parser.hpp"
 #include "common/image_size.hpp"
 #include "tools/calibrate/next_step.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {

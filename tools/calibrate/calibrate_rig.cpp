@@ -1,6 +1,4 @@
 // `cartvo calibrate SOURCE`: calibrates both cameras and their relative pose from views of a board.
-#include "tools/calibrate/calibrate_rig.hpp"
-
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -26,6 +24,7 @@
 #include "tools/calibrate/next_step.hpp"
 #include "tools/calibrate/report/calibration_report.hpp"
 #include "tools/calibrate/report/calibration_summary.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/calibrate/views/board_views.hpp"
 #include "tools/calibrate/views/kept_views.hpp"
 #include "tools/calibrate/views/live_page.hpp"

@@ -15,10 +15,9 @@
 
 #include "common/command_line/parser.hpp"
 #include "tools/camera/access_options.hpp"
+#include "tools/camera/actions.hpp"
 #include "tools/camera/camera_access.hpp"
 #include "tools/camera/camera_report.hpp"
-#include "tools/camera/discover_command.hpp"
-#include "tools/camera/network/network_command.hpp"
 #include "tools/camera/settings_change.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/json_text.hpp"

@@ -2,6 +2,8 @@
 #include "tools/camera/camera_report.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -65,20 +67,10 @@ std::string findingText(const Finding& finding) {
 
 }  // namespace
 
+/// In the order of the enumeration.
 std::string verdictText(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::good:
-      return "good";
-    case Verdict::wrong:
-      return "wrong";
-    case Verdict::unlike:
-      return "unlike";
-    case Verdict::unknown:
-      return "unknown";
-    case Verdict::not_reported:
-      break;
-  }
-  return "-";
+  static constexpr std::array kTexts{"good", "wrong", "unlike", "unknown", "-"};
+  return kTexts.at(static_cast<std::size_t>(verdict));
 }
 
 CameraPair pairOf(const ReportedPair& cameras) {

@@ -1,6 +1,4 @@
 // `cartvo camera discover`: searches cameras on the network.
-#include "tools/camera/discover_command.hpp"
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/command_line/parser.hpp"
+#include "tools/camera/actions.hpp"
 #include "tools/camera/discovery.hpp"
 #include "tools/cartvo/json_text.hpp"
 

@@ -21,24 +21,10 @@ constexpr const char* kStyle =
     ".ok{color:var(--ok)}.look{color:var(--look);font-weight:bold}.broken{color:var(--bad);font-weight:bold}"
     ".pictures{display:flex;flex-wrap:wrap;gap:1em}figure{margin:0;flex:1 1 min(500px,100%)}img{width:100%}";
 
-const char* cssClass(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::ok:
-      return "ok";
-    case Verdict::look_at:
-      return "look";
-    case Verdict::broken:
-      return "broken";
-    case Verdict::not_checked:
-      break;
-  }
-  return "unchecked";
-}
-
 /// `subject`: text of its cell.
 std::string row(const Finding& finding, const std::string& subject) {
   return fmt::format("<tr><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                     cssClass(finding.verdict), verdictText(finding.verdict), escaped(subject),
+                     namesOf(finding.verdict).css_class, namesOf(finding.verdict).text, escaped(subject),
                      escaped(finding.seen), escaped(finding.expected), escaped(finding.advice));
 }
 
@@ -75,7 +61,7 @@ std::string htmlReport(const ReportHead& head, const Findings& findings,
       "cartvo doctor", kStyle,
       fmt::format("<h1>cartvo doctor</h1>\n<p>{} on {}, {}, cartvo {}</p>\n<p class=\"{}\">{}</p>\n",
                   escaped(head.source), escaped(head.host), escaped(head.time), escaped(head.version),
-                  cssClass(worstVerdict(findings)), countsText(findings)) +
+                  namesOf(worstVerdict(findings)).css_class, countsText(findings)) +
           severeTable(findings) + "<details><summary>all findings, by area</summary>\n" + tables(findings) +
           "</details>\n" +
           (pictures.empty()

@@ -2,6 +2,8 @@
 #include "tools/doctor/report.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -10,21 +12,6 @@
 namespace cartvo::doctor {
 namespace {
 
-/// Name of a verdict in JSON.
-const char* verdictKey(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::ok:
-      return "ok";
-    case Verdict::look_at:
-      return "look_at";
-    case Verdict::broken:
-      return "broken";
-    case Verdict::not_checked:
-      break;
-  }
-  return "not_checked";
-}
-
 std::string detailLine(const char* name, const std::string& text) {
   constexpr const char* kIndent = "               ";
   return text.empty() ? "" : fmt::format("{}{:<10}{}\n", kIndent, name, text);
@@ -32,7 +19,7 @@ std::string detailLine(const char* name, const std::string& text) {
 
 std::string findingText(const Finding& finding) {
   std::string text =
-      fmt::format("  {:<13}{}: {}\n", verdictText(finding.verdict), finding.subject, finding.seen);
+      fmt::format("  {:<13}{}: {}\n", namesOf(finding.verdict).text, finding.subject, finding.seen);
   if (finding.verdict == Verdict::ok) return text;
   return text + detailLine("expected", finding.expected) + detailLine("do", finding.advice);
 }
@@ -44,18 +31,12 @@ std::ptrdiff_t count(const Findings& findings, Verdict verdict) {
 
 }  // namespace
 
-const char* verdictText(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::ok:
-      return "ok";
-    case Verdict::look_at:
-      return "look at";
-    case Verdict::broken:
-      return "broken";
-    case Verdict::not_checked:
-      break;
-  }
-  return "not checked";
+const VerdictNames& namesOf(Verdict verdict) {
+  static constexpr std::array<VerdictNames, 4> kNames{{{"not checked", "not_checked", "unchecked"},
+                                                       {"ok", "ok", "ok"},
+                                                       {"look at", "look_at", "look"},
+                                                       {"broken", "broken", "broken"}}};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 Verdict worstVerdict(const Findings& findings) {
@@ -93,7 +74,7 @@ std::string namesText(const Findings& findings) {
   const Findings severe = bySeverity(findings);
   for (const Finding& finding : severe) {
     const bool starts = last == nullptr || last->verdict != finding.verdict;
-    if (starts) text += (text.empty() ? "" : "\n") + std::string(verdictText(finding.verdict)) + ": ";
+    if (starts) text += (text.empty() ? "" : "\n") + std::string(namesOf(finding.verdict).text) + ": ";
     text += (starts ? "" : "; ") + finding.area + ", " + finding.subject;
     last = &finding;
   }
@@ -105,7 +86,7 @@ nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& find
   for (const Finding& finding : findings) {
     list.push_back({{"area", finding.area},
                     {"subject", finding.subject},
-                    {"verdict", verdictKey(finding.verdict)},
+                    {"verdict", namesOf(finding.verdict).key},
                     {"seen", finding.seen},
                     {"expected", finding.expected},
                     {"advice", finding.advice}});
@@ -114,7 +95,7 @@ nlohmann::ordered_json findingsJson(const ReportHead& head, const Findings& find
           {"time", head.time},
           {"host", head.host},
           {"source", head.source},
-          {"verdict", verdictKey(worstVerdict(findings))},
+          {"verdict", namesOf(worstVerdict(findings)).key},
           {"counts",
            {{"broken", count(findings, Verdict::broken)},
             {"look_at", count(findings, Verdict::look_at)},

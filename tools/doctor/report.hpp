@@ -21,8 +21,12 @@ struct ReportHead {
   std::string source;   ///< the configuration, recording or sequence that was looked at
 };
 
-/// "ok", "look at", "broken", "not checked".
-const char* verdictText(Verdict verdict);
+struct VerdictNames {
+  const char* text;       ///< "look at"
+  const char* key;        ///< in JSON
+  const char* css_class;  ///< in HTML
+};
+const VerdictNames& namesOf(Verdict verdict);
 
 /// The worst verdict; ok if nothing was checked.
 Verdict worstVerdict(const Findings& findings);

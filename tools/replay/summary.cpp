@@ -3,6 +3,8 @@
 #include "tools/replay/summary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -37,24 +39,11 @@ Json stereoFaultsJson(const Replay& replay) {
   return faults;
 }
 
+/// In the order of the enumeration.
 const char* kindName(capture::SourceKind kind) {
-  switch (kind) {
-    case capture::SourceKind::recording:
-      return "recording";
-    case capture::SourceKind::kitti:
-      return "kitti";
-    case capture::SourceKind::kitti_raw:
-      return "kitti_raw";
-    case capture::SourceKind::euroc:
-      return "euroc";
-    case capture::SourceKind::lists:
-      return "lists";
-    case capture::SourceKind::one_folder:
-      return "one_folder";
-    case capture::SourceKind::videos:
-      return "videos";
-  }
-  return "unknown";
+  static constexpr std::array kNames{"recording", "kitti",      "kitti_raw", "euroc",
+                                     "lists",     "one_folder", "videos"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 Json pairsJson(const Replay& replay) {

@@ -2,11 +2,10 @@
 #include "tools/simulate/simulate_options.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <stdexcept>
 
 #include "common/command_line/parser.hpp"
+#include "common/exact_text.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"
 
 namespace cartvo {
@@ -49,13 +48,6 @@ constexpr RenderingOption kRenderingOptions[] = {
     {"--shake-hz", "HZ", "Frequency at which the rendered cameras' mount vibrates"},
     {"--shake-degrees", "DEGREES", "Amplitude of that vibration in pitch"},
 };
-
-/// Number as text that is read back as the same number.
-std::string exactText(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
 
 void addRenderingOptions(Command group, SimulateOptions& options, Option sequence) {
   group.addOption("--frame-rate", options.frame_rate, "Frame rate of the rendered cameras, Hz")

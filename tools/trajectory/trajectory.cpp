@@ -3,8 +3,10 @@
 #include "tools/trajectory/trajectory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
@@ -229,18 +231,11 @@ std::string frameText(TrajectoryFrame frame) {
 
 }  // namespace
 
+/// In the order of the enumeration.
 const char* frameName(TrajectoryFrame frame) {
-  switch (frame) {
-    case TrajectoryFrame::left_camera:
-      return "the left camera";
-    case TrajectoryFrame::unmounted_camera:
-      return "the left camera, mount unknown";
-    case TrajectoryFrame::body:
-      return "the cart's body";
-    case TrajectoryFrame::unknown:
-      break;
-  }
-  return "an unknown frame";
+  static constexpr std::array kNames{"an unknown frame", "the left camera", "the left camera, mount unknown",
+                                     "the cart's body"};
+  return kNames.at(static_cast<std::size_t>(frame));
 }
 
 TrajectoryFrame frameOf(const std::filesystem::path& file) {

@@ -18,7 +18,7 @@ struct PixelFraction {
 };
 
 constexpr int kMaximumWindows = 8;  ///< windows that are compared at once
-using WindowSums = std::int32_t __attribute__((vector_size(4 * kMaximumWindows), may_alias));
+using WindowSumLanes = std::int32_t __attribute__((vector_size(4 * kMaximumWindows), may_alias));
 
 /// The kernels.
 class PatchLanes {
@@ -96,9 +96,9 @@ class PatchLanes {
   /// a template, of values and of squares, all without the last column. The other lanes of the results are
   /// undefined.
   template <int Count, int Rows, int Stride>
-  static void sumWindows(const std::int16_t* window, const std::int16_t* others, WindowSums& products,
-                         WindowSums& values, WindowSums& squares) {
-    products = values = squares = WindowSums{};
+  static void sumWindows(const std::int16_t* window, const std::int16_t* others, WindowSumLanes& products,
+                         WindowSumLanes& values, WindowSumLanes& squares) {
+    products = values = squares = WindowSumLanes{};
     for (int i = 0; i < Count; ++i) {
       std::int32_t product = 0, sum = 0, square = 0;
       for (int y = 0; y < Rows; ++y) {

@@ -93,7 +93,7 @@ void sampleStrip(const PyramidLevel& level, const Eigen::Vector2d& centre, Strip
 
 /// One number per sample, i.e. per window side by side, and one spare.
 constexpr int kLanesOfSamples = kMaximumWindows;
-using Samples = WindowSums;
+using Samples = WindowSumLanes;
 static_assert(kNccSamples <= kLanesOfSamples && Strip<0>::kStride >= kNccColumns + kLanesOfSamples - 1);
 
 inline void widen(const Samples& samples, int first, DoubleLanes& numbers) {

@@ -149,10 +149,7 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
   Kicked kicked_heave{Kicks(settings.seed, 504, rates.heave)};
   Kicked kicked_roll{Kicks(settings.seed, 505, rates.roll)};
   const bool has_yaw = rates.yaw > 0.0;
-  std::vector<double> yaw;
-  std::vector<double> heave;
-  std::vector<double> pitch;
-  std::vector<double> roll;
+  std::vector<double> yaw, heave, pitch, roll;
   const int steps = speedSteps(settings);
   constexpr double kStep = kSpeedStep / kSubsteps;
   for (int i = 0; i < steps * kSubsteps; ++i) {
@@ -182,9 +179,7 @@ Drive::Drive(const Path& path, const WorldSettings& settings)
 }
 
 Drive::Course Drive::weavingCourse(int steps) const {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> yaw;
+  std::vector<double> x, y, yaw;
   for (int i = 0; i < steps; ++i) {
     const double along = distance(i * kSpeedStep);
     const PathPoint at = path_.at(along);

@@ -63,7 +63,7 @@ void Wind::placeAt(double seconds, std::vector<Instance>& instances) const {
     const PathPoint at = path_.at(leaves.start + leaves.speed * seconds + gust);
     const Eigen::Isometry3d pose = groundPose(terrain_, at, clampWithinBend(at, leaves.lateral), 0.3) *
                                    Eigen::AngleAxisd(leaves.spin * seconds, Eigen::Vector3d::UnitZ());
-    instances[leaves.instance].placement = Eigen::Affine3f(pose.matrix().cast<float>());
+    instances[leaves.instance].placement = toAffine(pose);
   }
 }
 

@@ -42,9 +42,7 @@ void addWallPiece(Mesh& mesh, const WallFrame& wall, const Rectangle& r, const F
   const float o = wall.texture_offset;
   mesh.addQuad({wall.at(r.left, r.bottom, 0), wall.at(r.right, r.bottom, 0), wall.at(r.right, r.top, 0),
                 wall.at(r.left, r.top, 0)},
-               {Vector2f(r.left + o, r.bottom), Vector2f(r.right + o, r.bottom), Vector2f(r.right + o, r.top),
-                Vector2f(r.left + o, r.top)},
-               finish);
+               Mesh::rectangle(r.left + o, r.bottom, r.right + o, r.top), finish);
 }
 
 /// Adds an opening: its recessed inset and the four reveal faces between the wall and the inset.

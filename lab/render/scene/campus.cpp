@@ -46,10 +46,7 @@ class Layout {
   void addParkedCars();
 
  private:
-  std::uint32_t addMesh(Mesh mesh) {
-    campus_.meshes.push_back(std::move(mesh));
-    return static_cast<std::uint32_t>(campus_.meshes.size() - 1);
-  }
+  std::uint32_t addMesh(Mesh mesh) { return campus_.addMesh(std::move(mesh)); }
   Mesh& fixed() { return campus_.meshes.front(); }
 
   /// Whether a disc at `place` lies outside road and pavements.
@@ -199,8 +196,7 @@ void Layout::addLining() {
          {campus_.road.leftBorder() + beyond_border, campus_.road.rightBorder() - beyond_border}) {
       Instance piece;
       piece.mesh = pieces[static_cast<std::size_t>(random_.below(static_cast<int>(pieces.size())))];
-      piece.placement = Eigen::Affine3f(
-          groundPose(traits_.terrain, p, clampWithinBend(p, lateral), kPieceLength).matrix().cast<float>());
+      piece.placement = toAffine(groundPose(traits_.terrain, p, clampWithinBend(p, lateral), kPieceLength));
       campus_.instances.push_back(piece);
     }
   }
@@ -234,7 +230,7 @@ void Layout::place(std::uint32_t mesh, const Vector2d& at, double yaw, double sc
   instance.mesh = mesh;
   instance.placement = placementOnGround(at, yaw) * Eigen::Scaling(static_cast<float>(scale));
   instance.seed = random_.bits();
-  instance.tone_shift = static_cast<float>(random_.uniform(-0.3, 0.3));
+  instance.tone_shift = random_.real(-0.3, 0.3);
   campus_.instances.push_back(instance);
 }
 
@@ -263,7 +259,7 @@ void Layout::addTrees() {
   const auto plant_small = [&](const std::vector<Mesh>& kinds, const Vector2d& at, double room, double from,
                                double to) {
     if (!has_room(at, room)) return;
-    const auto scale = static_cast<float>(random_.uniform(from, to));
+    const auto scale = random_.real(from, to);
     fixed().addMesh(kinds[random_.below(kKinds)],
                     placementOnGround(at, random_.uniform(0.0, 6.28)) * Eigen::Scaling(scale),
                     random_.bits());
@@ -351,7 +347,7 @@ void Layout::addParkedCars() {
            Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) *
            Eigen::Translation3d(-0.5 * wheelbase, 0.0, 0.0);
     campus_.instances.push_back(paintedInstance(kinds[kind], random_));
-    campus_.instances.back().placement = Eigen::Affine3f(pose.matrix().cast<float>());
+    campus_.instances.back().placement = toAffine(pose);
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lab/render/scene/building.hpp"
@@ -17,6 +19,12 @@ struct Campus {
   RoadProfile road;
   std::vector<Mesh> meshes;  ///< the first holds everything that occurs once
   std::vector<Instance> instances;
+
+  /// Returns the mesh's index.
+  std::uint32_t addMesh(Mesh mesh) {
+    meshes.push_back(std::move(mesh));
+    return static_cast<std::uint32_t>(meshes.size() - 1);
+  }
 };
 
 /// The closed path that the cart's rear axle follows.

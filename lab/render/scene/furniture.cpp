@@ -87,14 +87,14 @@ void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
   const double length = (to - from).norm();
   const Eigen::Vector2d along = (to - from) / length;
   const auto yaw = static_cast<float>(std::atan2(along.y(), along.x()));
-  const auto tone = static_cast<float>(random.uniform(0.1, 0.9));
+  const auto tone = random.real(0.1, 0.9);
   const auto at = [&](double u, double z) {
     const Eigen::Vector2d p = from + u * along;
-    return Vector3f(Eigen::Vector3d(p.x(), p.y(), terrain.height(p.x(), p.y()) - 0.1 + z).cast<float>());
+    return pointAt(p, terrain.height(p.x(), p.y()) - 0.1 + z);
   };
   for (const double u : stepsBelow(length, 0.0, 0.15)) {
     const auto height = static_cast<float>(1.15 + random.uniform(-0.03, 0.03));
-    const float lean = yaw + static_cast<float>(random.uniform(-0.06, 0.06));
+    const float lean = yaw + random.real(-0.06, 0.06);
     mesh.addBox(at(u, 0.08), Vector3f(0.09F, 0.02F, height), lean, {Material::wood, random.bits(), tone});
   }
   for (const double u : stepsBelow(length, 0.0, 2.0)) {
@@ -132,9 +132,7 @@ void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2
       const auto u0 = static_cast<float>(u);
       const auto u1 = static_cast<float>(end);
       mesh.addQuad({at(u, w0, z0), at(end, w0, z0), at(end, w1, z1), at(u, w1, z1)},
-                   {Eigen::Vector2f(u0, 0), Eigen::Vector2f(u1, 0), Eigen::Vector2f(u1, across_length),
-                    Eigen::Vector2f(u0, across_length)},
-                   finish);
+                   Mesh::rectangle(u0, 0.0F, u1, across_length), finish);
     };
     face(-0.12, -0.3F, -0.12, height, brick);
     face(0.12, -0.3F, 0.12, height, brick);

@@ -37,10 +37,8 @@ class GarageBuilder {
       bounds_.extend(path.at(s).position);
     const Vector2d margin = Vector2d::Constant(kAisle + kBayDepth + 0.3);
     bounds_ = Eigen::AlignedBox2d(bounds_.min() - margin, bounds_.max() + margin);
-    for (std::uint32_t kind = 0; kind < 3; ++kind) {
-      cars_[kind] = static_cast<std::uint32_t>(campus.meshes.size());
-      campus.meshes.push_back(makeVehicle(static_cast<VehicleKind>(kind)));
-    }
+    for (std::uint32_t kind = 0; kind < 3; ++kind)
+      cars_[kind] = campus.addMesh(makeVehicle(static_cast<VehicleKind>(kind)));
   }
 
   void addShell();
@@ -55,6 +53,10 @@ class GarageBuilder {
       nearest = std::min(nearest, (at - path_.at(s).position).norm());
     return nearest;
   }
+  std::array<Vector2d, 4> corners() const {
+    const Vector2d a = bounds_.min(), b = bounds_.max();
+    return {a, Vector2d(b.x(), a.y()), b, Vector2d(a.x(), b.y())};
+  }
   void addLevel(float z, const Finish& finish);
   void addBay(const Vector2d& mouth, double yaw);
   void addCar(const Vector2d& mouth, double yaw);
@@ -68,23 +70,18 @@ class GarageBuilder {
 
 /// A level plane over the whole garage.
 void GarageBuilder::addLevel(float z, const Finish& finish) {
-  const Eigen::Vector2f a = bounds_.min().cast<float>(), b = bounds_.max().cast<float>();
-  fixed().addPlane({Vector3f(a.x(), a.y(), z), Vector3f(b.x(), a.y(), z), Vector3f(b.x(), b.y(), z),
-                    Vector3f(a.x(), b.y(), z)},
-                   finish);
+  const std::array<Vector2d, 4> at = corners();
+  fixed().addPlane({pointAt(at[0], z), pointAt(at[1], z), pointAt(at[2], z), pointAt(at[3], z)}, finish);
 }
 
 void GarageBuilder::addShell() {
   addLevel(0.0F, {Material::concrete, kSeed, 0.2F});
   addLevel(kCeiling, {Material::concrete, kSeed + 1, 0.7F});
-  const Eigen::Vector2f a = bounds_.min().cast<float>(), b = bounds_.max().cast<float>();
-  const std::array<Eigen::Vector2f, 4> corners{a, Eigen::Vector2f(b.x(), a.y()), b,
-                                               Eigen::Vector2f(a.x(), b.y())};
+  const std::array<Vector2d, 4> at = corners();
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2f& from = corners[i];
-    const Eigen::Vector2f& to = corners[(i + 1) % 4];
-    const auto at = [](const Eigen::Vector2f& p, float z) { return Vector3f(p.x(), p.y(), z); };
-    fixed().addPlane({at(from, 0.0F), at(to, 0.0F), at(to, kCeiling), at(from, kCeiling)},
+    const Vector2d& from = at[i];
+    const Vector2d& to = at[(i + 1) % 4];
+    fixed().addPlane({pointAt(from, 0.0), pointAt(to, 0.0), pointAt(to, kCeiling), pointAt(from, kCeiling)},
                      {Material::concrete, kSeed + 2, 0.5F});
   }
 }
@@ -95,14 +92,13 @@ void GarageBuilder::addBeamsAndColumns() {
   const Finish warning{Material::paint, kSeed + 5, 0.15F};
   const double width = bounds_.sizes().y();
   for (const double x : stepsBelow(bounds_.max().x(), kGrid * std::ceil(bounds_.min().x() / kGrid), kGrid)) {
-    const Vector3f middle(static_cast<float>(x), static_cast<float>(bounds_.center().y()),
-                          kCeiling - kBeamDepth);
+    const Vector3f middle = pointAt({x, bounds_.center().y()}, kCeiling - kBeamDepth);
     fixed().addBox(middle, Vector3f(kBeamDepth, static_cast<float>(width), kBeamDepth), 0.0F, beam);
     for (const double y :
          stepsBelow(bounds_.max().y(), kGrid * std::ceil(bounds_.min().y() / kGrid), kGrid)) {
       const Vector2d place(x + 0.5 * kBayWidth, y + 0.3 * kGrid);
       if (distanceToPath(place) < kClearance) continue;
-      const Vector3f foot(static_cast<float>(place.x()), static_cast<float>(place.y()), 0.0F);
+      const Vector3f foot = pointAt(place, 0.0);
       fixed().addBox(foot, Vector3f(kColumn, kColumn, kCeiling), 0.0F, column);
       fixed().addBox(foot, Vector3f(kColumn + 0.01F, kColumn + 0.01F, 0.9F), 0.0F, warning);
     }
@@ -121,7 +117,7 @@ void GarageBuilder::addCar(const Vector2d& mouth, double yaw) {
                         Eigen::Vector3d::UnitZ()) *
       Eigen::Translation3d(-0.5 * wheelbase, 0.0, 0.0);
   campus_.instances.push_back(paintedInstance(cars_[static_cast<std::size_t>(kind)], random_));
-  campus_.instances.back().placement = Eigen::Affine3f(pose.matrix().cast<float>());
+  campus_.instances.back().placement = toAffine(pose);
 }
 
 /// Adds the painted line on one side of a bay and, in most bays, a car. `yaw`: the direction into the bay.
@@ -130,8 +126,7 @@ void GarageBuilder::addBay(const Vector2d& mouth, double yaw) {
   const Vector2d across(-inward.y(), inward.x());
   const Vector2d line = mouth + 0.5 * kBayWidth * across;
   const auto corner = [&](double depth, double side) {
-    const Vector2d p = line + depth * inward + side * across;
-    return Vector3f(static_cast<float>(p.x()), static_cast<float>(p.y()), kPaintHeight);
+    return pointAt(line + depth * inward + side * across, kPaintHeight);
   };
   fixed().addPlane({corner(0.0, -0.06), corner(kBayDepth, -0.06), corner(kBayDepth, 0.06), corner(0.0, 0.06)},
                    {Material::paint, kSeed + 6, 0.9F});

@@ -17,12 +17,16 @@ struct Instance {
   float sway = 0.0F;  ///< rad, to which wind bends it
 };
 
+inline Eigen::Affine3f toAffine(const Eigen::Isometry3d& pose) {
+  return Eigen::Affine3f(pose.matrix().cast<float>());
+}
+
 /// An instance with a look of its own.
 inline Instance paintedInstance(std::uint32_t mesh, Random& random) {
   Instance instance;
   instance.mesh = mesh;
   instance.seed = random.bits();
-  instance.tone_shift = static_cast<float>(random.uniform(-0.45, 0.5));
+  instance.tone_shift = random.real(-0.45, 0.5);
   return instance;
 }
 

@@ -82,9 +82,7 @@ void Mesh::addColumn(const Eigen::Vector3f& from, const Eigen::Vector3f& to, flo
     const Eigen::Vector3f b = direction(i + 1);
     const float u = face * static_cast<float>(i);
     addQuad({from + radius_from * a, from + radius_from * b, to + radius_to * b, to + radius_to * a},
-            {Eigen::Vector2f(u, 0.0F), Eigen::Vector2f(u + face, 0.0F), Eigen::Vector2f(u + face, length),
-             Eigen::Vector2f(u, length)},
-            finish);
+            rectangle(u, 0.0F, u + face, length), finish);
   }
 }
 

@@ -10,6 +10,10 @@
 
 namespace cartvo::world {
 
+inline Eigen::Vector3f pointAt(const Eigen::Vector2d& place, double height) {
+  return Eigen::Vector3d(place.x(), place.y(), height).cast<float>();
+}
+
 /// Material of a quadrilateral. Different seeds give different textures. Quadrilaterals with the same finish
 /// are one surface to the anti-aliasing, so their texture coordinates must be continuous.
 struct Finish {
@@ -35,6 +39,12 @@ class Mesh {
 
   /// `uv`: texture coordinates of the corners, m.
   void addQuad(const Corners& corners, const Coordinates& uv, const Finish& finish);
+
+  /// Texture coordinates from (u0, v0) at the first corner to (u1, v1) at the third.
+  static Coordinates rectangle(float u0, float v0, float u1, float v1) {
+    return {Eigen::Vector2f(u0, v0), Eigen::Vector2f(u1, v0), Eigen::Vector2f(u1, v1),
+            Eigen::Vector2f(u0, v1)};
+  }
 
   /// Adds a planar quad whose texture coordinates start at the first corner, u along the first edge.
   void addPlane(const Corners& corners, const Finish& finish);

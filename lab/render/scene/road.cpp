@@ -43,10 +43,6 @@ std::vector<ProfilePoint> crossSection(const RoadProfile& road) {
   return section;
 }
 
-Eigen::Vector3f placeAt(const Eigen::Vector2d& p, double height) {
-  return Eigen::Vector3d(p.x(), p.y(), height).cast<float>();
-}
-
 /// Grid coordinates: 3 m apart near the campus, 40 m apart beyond it.
 std::vector<double> gridLines(double from, double to) {
   std::vector<double> lines;
@@ -86,12 +82,10 @@ void addRoad(Mesh& mesh, const Path& path, const RoadProfile& profile, const Ter
       const auto across = static_cast<float>(std::hypot(b.lateral - a.lateral, b.height - a.height));
       const auto corner = [&](const PathPoint& at, const ProfilePoint& p) {
         const Eigen::Vector2d place = at.beside(clampWithinBend(at, p.lateral));
-        return placeAt(place, terrain.height(place.x(), place.y()) + p.height);
+        return pointAt(place, terrain.height(place.x(), place.y()) + p.height);
       };
       mesh.addQuad({corner(here, a), corner(next, a), corner(next, b), corner(here, b)},
-                   {Eigen::Vector2f(u0, v0), Eigen::Vector2f(u1, v0), Eigen::Vector2f(u1, v0 + across),
-                    Eigen::Vector2f(u0, v0 + across)},
-                   a.finish);
+                   Mesh::rectangle(u0, v0, u1, v0 + across), a.finish);
       v += across;
     }
   }
@@ -107,7 +101,7 @@ void addGrassland(Mesh& mesh, const Path& path, const Terrain& terrain) {
   for (std::size_t i = 0; i + 1 < xs.size(); ++i) {
     for (std::size_t j = 0; j + 1 < ys.size(); ++j) {
       const auto corner = [&](std::size_t a, std::size_t b) {
-        return placeAt({xs[a], ys[b]}, terrain.landHeight(xs[a], ys[b]) - kGrassDepth);
+        return pointAt({xs[a], ys[b]}, terrain.landHeight(xs[a], ys[b]) - kGrassDepth);
       };
       const Mesh::Corners corners{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)};
       Mesh::Coordinates uv;

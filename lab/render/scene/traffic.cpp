@@ -21,16 +21,11 @@ Instance moverInstance(std::uint32_t mesh, Random& random) {
   return instance;
 }
 
-Eigen::Affine3f toAffine(const Eigen::Isometry3d& pose) {
-  return Eigen::Affine3f(pose.matrix().cast<float>());
-}
-
 /// Adds the parts of a person: torso, leg, arm. Returns the index of the torso.
 std::uint32_t addPersonMeshes(Campus& campus) {
-  const auto torso = static_cast<std::uint32_t>(campus.meshes.size());
-  campus.meshes.push_back(makeTorso());
-  campus.meshes.push_back(makeLeg());
-  campus.meshes.push_back(makeArm());
+  const std::uint32_t torso = campus.addMesh(makeTorso());
+  campus.addMesh(makeLeg());
+  campus.addMesh(makeArm());
   return torso;
 }
 
@@ -46,10 +41,8 @@ Traffic::Traffic(const Path& path, const Drive& drive, const WorldSettings& sett
 void Traffic::addVehicles(const WorldSettings& settings, Campus& campus) {
   Random random(hashOf({static_cast<std::uint32_t>(settings.seed), 401U}));
   std::array<std::uint32_t, kVehicleKinds> meshes{};
-  for (int kind = 0; kind < kVehicleKinds; ++kind) {
-    meshes[kind] = static_cast<std::uint32_t>(campus.meshes.size());
-    campus.meshes.push_back(makeVehicle(static_cast<VehicleKind>(kind)));
-  }
+  for (int kind = 0; kind < kVehicleKinds; ++kind)
+    meshes[kind] = campus.addMesh(makeVehicle(static_cast<VehicleKind>(kind)));
   const auto add = [&](VehicleKind kind, Vehicle vehicle) {
     vehicle.instance = static_cast<std::uint32_t>(campus.instances.size());
     vehicle.wheelbase = vehicleWheelbase(kind);

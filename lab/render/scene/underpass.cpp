@@ -63,52 +63,89 @@ float lightFromEnd(float depth) {
   return 0.5F * (1.0F - depth / std::sqrt(depth * depth + kOpeningRadius * kOpeningRadius));
 }
 
-/// The point at `s` along the path, `lateral` m to its left, at height `z`; campus axes, m.
-Vector3f pointAt(const Path& path, double s, double lateral, float z) {
-  const Vector2d p = path.at(s).beside(lateral);
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), z};
-}
+/// Adds the parts of an underpass. Places are `s` along the path and `lateral` to its left, m.
+class UnderpassBuilder {
+ public:
+  UnderpassBuilder(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain)
+      : mesh_(mesh),
+        path_(path),
+        terrain_(terrain),
+        from_(underpass.from),
+        to_(underpass.to),
+        left_(underpass.left),
+        right_(underpass.right),
+        ceiling_(underpass.ceiling) {}
 
-/// Height of a wall's foot, 0.4 m below the ground.
-float footHeight(const Path& path, const Terrain& terrain, double s, double lateral) {
-  const Vector2d p = path.at(s).beside(lateral);
-  return static_cast<float>(terrain.height(p.x(), p.y()) - 0.4);
-}
+  void addWallsAndDeck();
+  void addBeams();
+  void addEnds();
 
-/// Adds the beams below the ceiling.
-void addBeams(Mesh& mesh, const Underpass& underpass, const Path& path, const Finish& deck) {
-  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
-  const double left = underpass.left;
-  const double right = underpass.right;
-  for (const double s : stepsBelow(underpass.to - 1.0, underpass.from + 2.0, kBeamSpacing)) {
-    const float low = underpass.ceiling - kBeamDepth;
-    mesh.addPlane({at(s, right, low), at(s, left, low), at(s, left, underpass.ceiling),
-                   at(s, right, underpass.ceiling)},
-                  deck);
-    mesh.addPlane({at(s + kBeamDepth, right, low), at(s + kBeamDepth, left, low),
-                   at(s + kBeamDepth, left, underpass.ceiling), at(s + kBeamDepth, right, underpass.ceiling)},
-                  deck);
-    mesh.addPlane(
-        {at(s, right, low), at(s, left, low), at(s + kBeamDepth, left, low), at(s + kBeamDepth, right, low)},
-        deck);
+ private:
+  Vector3f at(double s, double lateral, float z) const { return pointAt(path_.at(s).beside(lateral), z); }
+  /// Height of a wall's foot, 0.4 m below the ground.
+  float foot(double s, double lateral) const {
+    const Vector2d p = path_.at(s).beside(lateral);
+    return static_cast<float>(terrain_.height(p.x(), p.y()) - 0.4);
+  }
+  /// An upright face across the path.
+  void addAcross(double s, double from, double to, float z0, float z1, const Finish& finish) {
+    mesh_.addPlane({at(s, from, z0), at(s, to, z0), at(s, to, z1), at(s, from, z1)}, finish);
+  }
+
+  Mesh& mesh_;
+  const Path& path_;
+  const Terrain& terrain_;
+  const double from_, to_, left_, right_;
+  const float ceiling_;
+  const float top_ = ceiling_ + kDeckThickness;
+  const Finish brick_{Material::brick, kSeed, 0.35F};
+  const Finish deck_{Material::concrete, kSeed + 1, 0.6F};
+  const Finish face_{Material::concrete, kSeed + 2, 0.8F};
+};
+
+void UnderpassBuilder::addWallsAndDeck() {
+  for (const double s : stepsBelow(to_ - 0.01, from_, kPieceLength)) {
+    const double next = std::min(s + kPieceLength, to_);
+    const auto u0 = static_cast<float>(s);
+    const auto u1 = static_cast<float>(next);
+    const auto wall = [&](double lateral, float z, const Finish& finish) {
+      const float f0 = foot(s, lateral);
+      const float f1 = foot(next, lateral);
+      mesh_.addQuad({at(s, lateral, f0), at(next, lateral, f1), at(next, lateral, z), at(s, lateral, z)},
+                    {Vector2f(u0, f0), Vector2f(u1, f1), Vector2f(u1, z), Vector2f(u0, z)}, finish);
+    };
+    const auto slab = [&](double from, double to, float z) {
+      const auto v0 = static_cast<float>(from) + 20.0F;
+      const auto v1 = static_cast<float>(to) + 20.0F;
+      mesh_.addQuad({at(s, from, z), at(next, from, z), at(next, to, z), at(s, to, z)},
+                    Mesh::rectangle(u0, v0, u1, v1), deck_);
+    };
+    wall(left_, ceiling_, brick_);
+    wall(right_, ceiling_, brick_);
+    wall(left_ + kWallThickness, top_, face_);
+    wall(right_ - kWallThickness, top_, face_);
+    slab(right_, left_, ceiling_);
+    slab(right_ - kWallThickness, left_ + kWallThickness, top_);
   }
 }
 
-/// Adds the faces at both ends: pillars and the edge of the deck.
-void addEnds(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain,
-             const Finish& face) {
-  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
-  const auto foot = [&](double s, double lateral) { return footHeight(path, terrain, s, lateral); };
-  const double left = underpass.left;
-  const double right = underpass.right;
-  const float top = underpass.ceiling + kDeckThickness;
-  for (const double s : {underpass.from, underpass.to}) {
-    const auto upright = [&](double from, double to, float z0, float z1) {
-      mesh.addPlane({at(s, from, z0), at(s, to, z0), at(s, to, z1), at(s, from, z1)}, face);
-    };
-    upright(left, left + kWallThickness, foot(s, left), underpass.ceiling);
-    upright(right - kWallThickness, right, foot(s, right), underpass.ceiling);
-    upright(right - kWallThickness, left + kWallThickness, underpass.ceiling, top);
+/// Below the ceiling.
+void UnderpassBuilder::addBeams() {
+  const float low = ceiling_ - kBeamDepth;
+  for (const double s : stepsBelow(to_ - 1.0, from_ + 2.0, kBeamSpacing)) {
+    const double end = s + kBeamDepth;
+    addAcross(s, right_, left_, low, ceiling_, deck_);
+    addAcross(end, right_, left_, low, ceiling_, deck_);
+    mesh_.addPlane({at(s, right_, low), at(s, left_, low), at(end, left_, low), at(end, right_, low)}, deck_);
+  }
+}
+
+/// Pillars and the edge of the deck.
+void UnderpassBuilder::addEnds() {
+  for (const double s : {from_, to_}) {
+    addAcross(s, left_, left_ + kWallThickness, foot(s, left_), ceiling_, face_);
+    addAcross(s, right_ - kWallThickness, right_, foot(s, right_), ceiling_, face_);
+    addAcross(s, right_ - kWallThickness, left_ + kWallThickness, ceiling_, top_, face_);
   }
 }
 
@@ -145,41 +182,10 @@ std::vector<Underpass> underpasses(const Path& path, const WorldSettings& settin
 }
 
 void addUnderpass(Mesh& mesh, const Underpass& underpass, const Path& path, const Terrain& terrain) {
-  const Finish brick{Material::brick, kSeed, 0.35F};
-  const Finish deck{Material::concrete, kSeed + 1, 0.6F};
-  const Finish face{Material::concrete, kSeed + 2, 0.8F};
-  const float top = underpass.ceiling + kDeckThickness;
-  const auto at = [&](double s, double lateral, float z) { return pointAt(path, s, lateral, z); };
-  const auto foot = [&](double s, double lateral) { return footHeight(path, terrain, s, lateral); };
-  const double left = underpass.left;
-  const double right = underpass.right;
-  const auto wall = [&](double s0, double s1, double lateral, float z, const Finish& finish) {
-    const auto u0 = static_cast<float>(s0);
-    const auto u1 = static_cast<float>(s1);
-    const float f0 = foot(s0, lateral);
-    const float f1 = foot(s1, lateral);
-    mesh.addQuad({at(s0, lateral, f0), at(s1, lateral, f1), at(s1, lateral, z), at(s0, lateral, z)},
-                 {Vector2f(u0, f0), Vector2f(u1, f1), Vector2f(u1, z), Vector2f(u0, z)}, finish);
-  };
-  for (const double s : stepsBelow(underpass.to - 0.01, underpass.from, kPieceLength)) {
-    const double next = std::min(s + kPieceLength, underpass.to);
-    const auto u0 = static_cast<float>(s);
-    const auto u1 = static_cast<float>(next);
-    const auto slab = [&](double from, double to, float z) {
-      const auto v0 = static_cast<float>(from) + 20.0F;
-      const auto v1 = static_cast<float>(to) + 20.0F;
-      mesh.addQuad({at(s, from, z), at(next, from, z), at(next, to, z), at(s, to, z)},
-                   {Vector2f(u0, v0), Vector2f(u1, v0), Vector2f(u1, v1), Vector2f(u0, v1)}, deck);
-    };
-    wall(s, next, left, underpass.ceiling, brick);
-    wall(s, next, right, underpass.ceiling, brick);
-    wall(s, next, left + kWallThickness, top, face);
-    wall(s, next, right - kWallThickness, top, face);
-    slab(right, left, underpass.ceiling);
-    slab(right - kWallThickness, left + kWallThickness, top);
-  }
-  addBeams(mesh, underpass, path, deck);
-  addEnds(mesh, underpass, path, terrain, face);
+  UnderpassBuilder builder(mesh, underpass, path, terrain);
+  builder.addWallsAndDeck();
+  builder.addBeams();
+  builder.addEnds();
 }
 
 Building groundPlan(const Underpass& underpass) {

@@ -75,7 +75,7 @@ void addHedge(Mesh& mesh, double length, double height, const Place& place, Rand
     } else {
       centre = place(u, around - 2.0 * height - half_width, height + shell);
     }
-    addLeaf(mesh, centre, static_cast<float>(random.uniform(0.07, 0.13)), tone, random);
+    addLeaf(mesh, centre, random.real(0.07, 0.13), tone, random);
   }
 }
 
@@ -87,12 +87,11 @@ Mesh makeTree(std::uint32_t seed, Detail detail) {
   const float density = near ? 1.0F : 0.27F;
   Mesh mesh;
   Random random(hashOf({seed, 201U}));
-  const auto trunk_height = static_cast<float>(random.uniform(2.2, 3.2));
-  const auto crown_height = static_cast<float>(random.uniform(4.0, 5.5));
-  const auto crown_radius = static_cast<float>(random.uniform(1.9, 2.9));
+  const auto trunk_height = random.real(2.2, 3.2);
+  const auto crown_height = random.real(4.0, 5.5);
+  const auto crown_radius = random.real(1.9, 2.9);
   const Finish bark{Material::bark, random.bits(), 0.5F};
-  const Vector3f lean(static_cast<float>(random.uniform(-0.25, 0.25)),
-                      static_cast<float>(random.uniform(-0.25, 0.25)), trunk_height);
+  const Vector3f lean(random.real(-0.25, 0.25), random.real(-0.25, 0.25), trunk_height);
   mesh.addColumn(Vector3f(0, 0, -0.2F), Vector3f(0, 0, 0.25F), 0.30F, 0.19F, 10, bark);
   mesh.addColumn(Vector3f(0, 0, 0.25F), lean, 0.19F, 0.14F, 10, bark);
   const Vector3f top = lean + Vector3f(0, 0, 0.75F * crown_height);
@@ -107,7 +106,7 @@ Mesh makeTree(std::uint32_t seed, Detail detail) {
     const Vector3f tip = root + Vector3f(std::cos(angle) * reach * 0.75F, std::sin(angle) * reach * 0.75F,
                                          0.3F * reach + 0.2F);
     mesh.addColumn(root, tip, 0.06F, 0.015F, 5, bark);
-    const float ball = reach * static_cast<float>(random.uniform(0.45, 0.62));
+    const float ball = reach * random.real(0.45, 0.62);
     addFoliage(mesh, tip, Vector3f(ball, ball, 0.72F * ball),
                static_cast<int>(density * (230.0F * ball * ball + 120.0F)), leaf_size, random);
   }
@@ -118,9 +117,7 @@ Mesh makeBush(std::uint32_t seed) {
   Mesh mesh;
   Random random(hashOf({seed, 202U}));
   for (int i = 0; i < 5; ++i) {
-    const Vector3f centre(static_cast<float>(random.uniform(-0.45, 0.45)),
-                          static_cast<float>(random.uniform(-0.45, 0.45)),
-                          static_cast<float>(random.uniform(0.35, 0.7)));
+    const Vector3f centre(random.real(-0.45, 0.45), random.real(-0.45, 0.45), random.real(0.35, 0.7));
     mesh.addColumn(Vector3f::Zero(), centre, 0.025F, 0.01F, 4, {Material::bark, random.bits(), 0.5F});
     addFoliage(mesh, centre, Vector3f(0.5F, 0.5F, 0.42F), 330, 0.11F, random);
   }
@@ -131,14 +128,12 @@ Mesh makeTuft(std::uint32_t seed) {
   Mesh mesh;
   Random random(hashOf({seed, 203U}));
   for (int i = 0; i < 70; ++i) {
-    const Vector3f root(static_cast<float>(random.uniform(-0.22, 0.22)),
-                        static_cast<float>(random.uniform(-0.22, 0.22)), -0.03F);
-    const Vector3f blade = Vector3f(static_cast<float>(random.uniform(-0.14, 0.14)),
-                                    static_cast<float>(random.uniform(-0.14, 0.14)),
-                                    static_cast<float>(random.uniform(0.12, 0.38)));
+    const Vector3f root(random.real(-0.22, 0.22), random.real(-0.22, 0.22), -0.03F);
+    const Vector3f blade =
+        Vector3f(random.real(-0.14, 0.14), random.real(-0.14, 0.14), random.real(0.12, 0.38));
     const Vector3f side = 0.009F * blade.cross(randomDirection(random)).normalized();
     mesh.addPlane({root - side, root + side, root + blade, root + blade},
-                  {Material::leaf, random.bits(), static_cast<float>(random.uniform(0.4, 1.0))});
+                  {Material::leaf, random.bits(), random.real(0.4, 1.0)});
   }
   return mesh;
 }
@@ -150,9 +145,9 @@ void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
   const double height = random.uniform(0.9, 1.5);
   const Eigen::Vector2d along = (to - from) / length;
   const Eigen::Vector2d across(-along.y(), along.x());
-  const auto place = [&](double u, double w, double z) -> Vector3f {
+  const auto place = [&](double u, double w, double z) {
     const Eigen::Vector2d p = from + u * along + w * across;
-    return Eigen::Vector3d(p.x(), p.y(), terrain.height(p.x(), p.y()) - 0.1 + z).cast<float>();
+    return pointAt(p, terrain.height(p.x(), p.y()) - 0.1 + z);
   };
   addHedge(mesh, length, height, place, random);
 }
@@ -160,9 +155,7 @@ void addHedge(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
 Mesh makeHedgePiece(std::uint32_t seed, double length, double height) {
   Mesh mesh;
   Random random(hashOf({seed, 205U}));
-  const auto place = [](double u, double w, double z) -> Vector3f {
-    return Eigen::Vector3d(u, w, z).cast<float>();
-  };
+  const auto place = [](double u, double w, double z) { return pointAt({u, w}, z); };
   addHedge(mesh, length, height, place, random);
   return mesh;
 }
@@ -172,11 +165,10 @@ Mesh makeBlownLeaves(std::uint32_t seed) {
   Mesh mesh;
   Random random(hashOf({seed, 206U}));
   for (int i = 0; i < kLeaves; ++i) {
-    const auto x = static_cast<float>(random.uniform(-1.0, 1.0));
-    const auto y = static_cast<float>(random.uniform(-1.0, 1.0));
+    const auto x = random.real(-1.0, 1.0);
+    const auto y = random.real(-1.0, 1.0);
     const auto z = static_cast<float>(0.03 + 0.5 * std::pow(random.uniform(0.0, 1.0), 3.0));
-    addLeaf(mesh, {x, y, z}, static_cast<float>(random.uniform(0.06, 0.12)),
-            static_cast<float>(random.uniform(0.3, 1.0)), random);
+    addLeaf(mesh, {x, y, z}, random.real(0.06, 0.12), random.real(0.3, 1.0), random);
   }
   return mesh;
 }

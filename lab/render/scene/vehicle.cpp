@@ -20,93 +20,73 @@ struct Station {
 
 struct Shape {
   std::vector<Station> outline;
-  float sill = 0.28F;  ///< height of the underside, m
-  float wheelbase = 2.6F;
-  float wheel_radius = 0.31F;
-  float half_width = 0.88F;
-  float waist = 0.9F;  ///< height of the side windows' lower edge, m
+  float sill;  ///< height of the underside, m
+  float wheelbase, wheel_radius, half_width;
+  float waist;  ///< height of the side windows' lower edge, m
 };
 
-Shape hatchbackShape() {
-  return {{{-0.72F, 0.35F, 0.84F, false},
-           {-0.76F, 0.85F, 0.86F, true},
-           {-0.38F, 1.42F, 0.64F, false},
-           {0.45F, 1.50F, 0.66F, false},
-           {1.30F, 1.44F, 0.66F, true},
-           {2.10F, 0.98F, 0.80F, false},
-           {2.95F, 0.80F, 0.80F, false},
-           {3.22F, 0.62F, 0.78F, false},
-           {3.26F, 0.30F, 0.76F, false}},
-          0.25F,
-          2.45F,
-          0.30F,
-          0.86F,
-          0.92F};
-}
+/// In the order of the enumeration.
+const std::array<Shape, kVehicleKinds> kShapes{{
+    {{{-0.72F, 0.35F, 0.84F, false},
+      {-0.76F, 0.85F, 0.86F, true},
+      {-0.38F, 1.42F, 0.64F, false},
+      {0.45F, 1.50F, 0.66F, false},
+      {1.30F, 1.44F, 0.66F, true},
+      {2.10F, 0.98F, 0.80F, false},
+      {2.95F, 0.80F, 0.80F, false},
+      {3.22F, 0.62F, 0.78F, false},
+      {3.26F, 0.30F, 0.76F, false}},
+     0.25F,
+     2.45F,
+     0.30F,
+     0.86F,
+     0.92F},
+    {{{-1.02F, 0.36F, 0.84F, false},
+      {-1.06F, 0.92F, 0.84F, false},
+      {-0.42F, 0.99F, 0.82F, true},
+      {0.22F, 1.40F, 0.62F, false},
+      {0.80F, 1.45F, 0.64F, false},
+      {1.42F, 1.40F, 0.64F, true},
+      {2.25F, 0.97F, 0.82F, false},
+      {3.20F, 0.82F, 0.82F, false},
+      {3.52F, 0.62F, 0.80F, false},
+      {3.56F, 0.30F, 0.78F, false}},
+     0.24F,
+     2.72F,
+     0.32F,
+     0.89F,
+     0.95F},
+    {{{-0.95F, 0.40F, 0.94F, false},
+      {-0.98F, 1.30F, 0.95F, true},
+      {-0.96F, 1.95F, 0.90F, false},
+      {-0.88F, 2.28F, 0.84F, false},
+      {2.30F, 2.32F, 0.84F, false},
+      {2.75F, 2.10F, 0.84F, true},
+      {3.55F, 1.28F, 0.92F, false},
+      {4.15F, 1.02F, 0.92F, false},
+      {4.32F, 0.35F, 0.90F, false}},
+     0.32F,
+     3.35F,
+     0.34F,
+     0.98F,
+     1.28F},
+    {{{-2.30F, 0.40F, 1.20F, false},
+      {-2.34F, 1.40F, 1.22F, true},
+      {-2.32F, 2.50F, 1.20F, false},
+      {-2.20F, 2.95F, 1.12F, false},
+      {6.20F, 2.98F, 1.12F, false},
+      {6.45F, 2.75F, 1.18F, true},
+      {6.62F, 1.15F, 1.22F, false},
+      {6.66F, 0.40F, 1.20F, false}},
+     0.34F,
+     4.40F,
+     0.46F,
+     1.24F,
+     1.30F},
+}};
 
-Shape saloonShape() {
-  return {{{-1.02F, 0.36F, 0.84F, false},
-           {-1.06F, 0.92F, 0.84F, false},
-           {-0.42F, 0.99F, 0.82F, true},
-           {0.22F, 1.40F, 0.62F, false},
-           {0.80F, 1.45F, 0.64F, false},
-           {1.42F, 1.40F, 0.64F, true},
-           {2.25F, 0.97F, 0.82F, false},
-           {3.20F, 0.82F, 0.82F, false},
-           {3.52F, 0.62F, 0.80F, false},
-           {3.56F, 0.30F, 0.78F, false}},
-          0.24F,
-          2.72F,
-          0.32F,
-          0.89F,
-          0.95F};
-}
-
-Shape vanShape() {
-  return {{{-0.95F, 0.40F, 0.94F, false},
-           {-0.98F, 1.30F, 0.95F, true},
-           {-0.96F, 1.95F, 0.90F, false},
-           {-0.88F, 2.28F, 0.84F, false},
-           {2.30F, 2.32F, 0.84F, false},
-           {2.75F, 2.10F, 0.84F, true},
-           {3.55F, 1.28F, 0.92F, false},
-           {4.15F, 1.02F, 0.92F, false},
-           {4.32F, 0.35F, 0.90F, false}},
-          0.32F,
-          3.35F,
-          0.34F,
-          0.98F,
-          1.28F};
-}
-
-Shape busShape() {
-  return {{{-2.30F, 0.40F, 1.20F, false},
-           {-2.34F, 1.40F, 1.22F, true},
-           {-2.32F, 2.50F, 1.20F, false},
-           {-2.20F, 2.95F, 1.12F, false},
-           {6.20F, 2.98F, 1.12F, false},
-           {6.45F, 2.75F, 1.18F, true},
-           {6.62F, 1.15F, 1.22F, false},
-           {6.66F, 0.40F, 1.20F, false}},
-          0.34F,
-          4.40F,
-          0.46F,
-          1.24F,
-          1.30F};
-}
-
-Shape shapeOf(VehicleKind kind) {
-  switch (kind) {
-    case VehicleKind::hatchback:
-      return hatchbackShape();
-    case VehicleKind::saloon:
-      return saloonShape();
-    case VehicleKind::van:
-      return vanShape();
-    case VehicleKind::bus:
-      return busShape();
-  }
-  return {};
+const Shape& shapeOf(VehicleKind kind) {
+  return kShapes.at(static_cast<std::size_t>(kind));
 }
 
 void addSides(Mesh& mesh, const Shape& shape, float side) {
@@ -173,7 +153,7 @@ double vehicleWheelbase(VehicleKind kind) {
 
 Mesh makeVehicle(VehicleKind kind) {
   Mesh mesh;
-  const Shape shape = shapeOf(kind);
+  const Shape& shape = shapeOf(kind);
   const Finish paint{Material::paint, 1, 0.5F};
   const Finish glass{Material::glass, 2, 0.5F};
   const auto& line = shape.outline;

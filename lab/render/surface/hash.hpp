@@ -48,6 +48,7 @@ class Random {
     return static_cast<std::uint32_t>((z ^ (z >> 31U)) >> 32U);
   }
   constexpr double uniform(double from, double to) { return from + (to - from) * unitFloat(bits()); }
+  constexpr float real(double from, double to) { return static_cast<float>(uniform(from, to)); }
   constexpr bool chance(double probability) { return unitFloat(bits()) < probability; }
   constexpr int below(int count) { return static_cast<int>(unitFloat(bits()) * static_cast<float>(count)); }
 

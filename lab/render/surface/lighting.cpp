@@ -52,7 +52,7 @@ Lighting buildLighting(const WorldSettings& settings, const Path& path) {
   lighting.to_sun = Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation),
                                     std::sin(azimuth) * std::cos(elevation), std::sin(elevation))
                         .cast<float>();
-  lighting.clouds = static_cast<float>(random.uniform(0.35, 0.75));
+  lighting.clouds = random.real(0.35, 0.75);
   lighting.seed = random.bits();
   lighting.sun = traits.light.sun;
   lighting.sky = traits.light.sky;

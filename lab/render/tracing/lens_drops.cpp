@@ -32,10 +32,10 @@ std::vector<Drop> dropsOf(const cv::Size& size, std::uint32_t seed) {
   std::vector<Drop> drops;
   for (int i = 0; i < kDrops; ++i) {
     Drop& drop = drops.emplace_back();
-    drop.x = static_cast<float>(random.uniform(0.0, size.width));
-    drop.y = static_cast<float>(random.uniform(0.0, size.height));
+    drop.x = random.real(0.0, size.width);
+    drop.y = random.real(0.0, size.height);
     drop.radius = static_cast<float>(random.uniform(kMinRadius, kMaxRadius) * size.width);
-    drop.aspect = static_cast<float>(random.uniform(1.0, 1.4));
+    drop.aspect = random.real(1.0, 1.4);
   }
   return drops;
 }

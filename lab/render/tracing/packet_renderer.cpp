@@ -12,24 +12,36 @@ namespace {
 
 constexpr float kShadowReach = 400.0F;  // m, length of a sun ray
 
+void setRay(RTCRay16& rays, int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+            float length, float time) {
+  rays.org_x[lane] = origin.x();
+  rays.org_y[lane] = origin.y();
+  rays.org_z[lane] = origin.z();
+  rays.dir_x[lane] = direction.x();
+  rays.dir_y[lane] = direction.y();
+  rays.dir_z[lane] = direction.z();
+  rays.tnear[lane] = 0.0F;
+  rays.tfar[lane] = length;
+  rays.time[lane] = time;
+  rays.mask[lane] = 0xffffffffU;
+  rays.id[lane] = static_cast<unsigned>(lane);
+  rays.flags[lane] = 0;
+}
+
 }  // namespace
 
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
                 const Eigen::Vector3f& direction, float time) {
-  packet.ray.org_x[lane] = origin.x();
-  packet.ray.org_y[lane] = origin.y();
-  packet.ray.org_z[lane] = origin.z();
-  packet.ray.dir_x[lane] = direction.x();
-  packet.ray.dir_y[lane] = direction.y();
-  packet.ray.dir_z[lane] = direction.z();
-  packet.ray.tnear[lane] = 0.0F;
-  packet.ray.tfar[lane] = std::numeric_limits<float>::infinity();
-  packet.ray.time[lane] = time;
-  packet.ray.mask[lane] = 0xffffffffU;
-  packet.ray.id[lane] = static_cast<unsigned>(lane);
-  packet.ray.flags[lane] = 0;
+  setRay(packet.ray, lane, origin, direction, std::numeric_limits<float>::infinity(), time);
   packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+RTCIntersectContext contextOf(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
 }
 
 void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, std::uint32_t salt) {
@@ -53,10 +65,9 @@ void PacketRenderer::castCameraRays(std::span<const Pixel> pixels, int samples, 
       valid_[lane] = -1;
     }
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   // Single rays of neighbouring pixels are coherent; rays of scattered edge pixels are not.
-  context.flags = samples == 1 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  RTCIntersectContext context =
+      contextOf(samples == 1 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   rtcIntersect16(valid_.data(), scene_.handle(), &context, &packet_);
 }
 
@@ -124,26 +135,13 @@ void PacketRenderer::castSunPacket(int rays) {
   bool any = false;
   for (int lane = 0; lane < rays; ++lane) {
     if (sun_is_known_[lane]) continue;
-    const Eigen::Vector3f origin = sunRayOrigin(lane);
-    shadow_.org_x[lane] = origin.x();
-    shadow_.org_y[lane] = origin.y();
-    shadow_.org_z[lane] = origin.z();
-    shadow_.dir_x[lane] = lighting_.to_sun.x();
-    shadow_.dir_y[lane] = lighting_.to_sun.y();
-    shadow_.dir_z[lane] = lighting_.to_sun.z();
-    shadow_.tnear[lane] = 0.0F;
-    shadow_.tfar[lane] = kShadowReach;
-    shadow_.time[lane] = time_[lane];
-    shadow_.mask[lane] = 0xffffffffU;
-    shadow_.flags[lane] = 0;
+    setRay(shadow_, lane, sunRayOrigin(lane), lighting_.to_sun, kShadowReach, time_[lane]);
     valid_[lane] = -1;
     any = true;
   }
   if (!any) return;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags =
-      RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;  // the coherent variant of this call is known to stall
+  // The coherent variant of this call is known to stall.
+  RTCIntersectContext context = contextOf(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   rtcOccluded16(valid_.data(), scene_.handle(), &context, &shadow_);
   for (int lane = 0; lane < rays; ++lane) {
     if (valid_[lane] != 0 && shadow_.tfar[lane] >= 0.0F) sunlit_[lane] = 1.0F;
@@ -162,8 +160,7 @@ bool PacketRenderer::isSunlit(int lane) const {
   ray.tfar = kShadowReach;
   ray.time = time_[lane];
   ray.mask = 0xffffffffU;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RTCIntersectContext context = contextOf(RTC_INTERSECT_CONTEXT_FLAG_NONE);
   rtcOccluded1(scene_.handle(), &context, &ray);
   return ray.tfar >= 0.0F;
 }

@@ -45,6 +45,9 @@ struct FirstPass {
 void prepareRay(RTCRayHit16& packet, int lane, const Eigen::Vector3f& origin,
                 const Eigen::Vector3f& direction, float time);
 
+/// Neighbouring rays of an image are coherent.
+RTCIntersectContext contextOf(RTCIntersectContextFlags flags);
+
 /// Renders pixels in packets of sixteen rays. The pixel size at `middle` is used for all of them, so they
 /// must be near it.
 class PacketRenderer {

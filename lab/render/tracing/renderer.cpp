@@ -159,9 +159,7 @@ void renderDepthAndMotion(const Scene& scene, const RenderSettings& settings, co
         prepareRay(packet, lane, origin, turn * Eigen::Vector3f(d.x(), d.y(), 1.0F), view.timeOf(y));
         valid[lane] = -1;
       }
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      RTCIntersectContext context = contextOf(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
       rtcIntersect16(valid.data(), scene.handle(), &context, &packet);
       for (int lane = 0; lane < count; ++lane) {
         const std::uint32_t id = packet.hit.instID[0][lane];

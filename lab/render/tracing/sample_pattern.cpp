@@ -26,10 +26,9 @@ SamplePatterns::SamplePatterns() {
         for (int i = 0; i < samples; ++i) {
           const double spread = samples == 1 ? 0.49 : 0.3;
           points.emplace_back(
-              (static_cast<float>(i) + 0.5F + static_cast<float>(random.uniform(-spread, spread))) /
-                      static_cast<float>(samples) -
+              (static_cast<float>(i) + 0.5F + random.real(-spread, spread)) / static_cast<float>(samples) -
                   0.5F,
-              (static_cast<float>(rows[i]) + 0.5F + static_cast<float>(random.uniform(-spread, spread))) /
+              (static_cast<float>(rows[i]) + 0.5F + random.real(-spread, spread)) /
                       static_cast<float>(samples) -
                   0.5F);
         }

@@ -22,8 +22,8 @@ inline doctor::Finding findingOf(const doctor::Findings& findings, const std::st
 }
 
 /// Matches a finding by its verdict and a part of what was seen.
-MATCHER_P2(Saw, verdict, part, std::string(doctor::verdictText(verdict)) + ": ..." + part + "...") {
-  *result_listener << arg.subject << " is " << doctor::verdictText(arg.verdict) << ": " << arg.seen;
+MATCHER_P2(Saw, verdict, part, std::string(doctor::namesOf(verdict).text) + ": ..." + part + "...") {
+  *result_listener << arg.subject << " is " << doctor::namesOf(arg.verdict).text << ": " << arg.seen;
   const bool is_complete = arg.verdict != doctor::Verdict::broken || !arg.advice.empty();
   return arg.verdict == verdict && is_complete && arg.seen.find(part) != std::string::npos;
 }
@@ -32,6 +32,6 @@ MATCHER_P2(Saw, verdict, part, std::string(doctor::verdictText(verdict)) + ": ..
 
 namespace cartvo::doctor {
 inline void PrintTo(const Finding& finding, std::ostream* stream) {
-  *stream << finding.subject << ": " << verdictText(finding.verdict) << ": " << finding.seen;
+  *stream << finding.subject << ": " << namesOf(finding.verdict).text << ": " << finding.seen;
 }
 }  // namespace cartvo::doctor

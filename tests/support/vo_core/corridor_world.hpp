@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "support/vo_core/synthetic_texture.hpp"
@@ -16,12 +18,20 @@ class CorridorWorld {
  public:
   explicit CorridorWorld(std::uint64_t seed) {
     Noise noise(seed);
-    for (auto& plane : waves_)
-      for (Wave& wave : plane) {
+    for (auto& plane : waves_) {
+      std::array<Wave, 2 * kWavePairs> waves{};
+      for (Wave& wave : waves) {
         const double angle = 2.0 * M_PI * noise.uniform();
         const double length = 0.03 * std::pow(100.0, noise.uniform());
-        wave = {std::cos(angle), std::sin(angle), length, 2.0 * M_PI * noise.uniform()};
+        wave = {length, std::cos(angle) / length, std::sin(angle) / length, noise.uniform()};
       }
+      std::sort(waves.begin(), waves.end(), [](const Wave& a, const Wave& b) { return a.length > b.length; });
+      for (std::size_t i = 0; i < kWavePairs; ++i) {
+        const Wave &a = waves[2 * i], &b = waves[2 * i + 1];
+        plane[i] =
+            WavePair{Lanes{a.length, b.length}, Lanes{a.x, b.x}, Lanes{a.y, b.y}, Lanes{a.phase, b.phase}};
+      }
+    }
   }
 
   vo::StereoImages render(const vo::StereoCamera& camera, const Eigen::Isometry3d& T_world_camera,
@@ -55,9 +65,13 @@ class CorridorWorld {
 
  private:
   struct Wave {
-    double x, y, length, phase;
+    double length, x, y, phase;  ///< m; turns a metre along u and v; turns
+  };
+  struct WavePair {
+    Lanes length, x, y, phase;
   };
   static constexpr int kPlanes = 4;
+  static constexpr std::size_t kWavePairs = 14;
 
   double shade(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double focal_length) const {
     // Normal axis and offset (m) of each plane: left and right wall, floor, end wall.
@@ -77,16 +91,17 @@ class CorridorWorld {
         nearest * ray.norm() * ray.norm() / (focal_length * std::abs(ray[kAxis[hit]]));  // m, along the slope
     const double u = point[(kAxis[hit] + 1) % 3];
     const double v = point[(kAxis[hit] + 2) % 3];
-    double sum = 0.0;
-    for (const Wave& wave : waves_[hit]) {
-      const double visibility = std::clamp((wave.length / pixel - 4.0) / 4.0, 0.0, 1.0);
-      if (visibility > 0.0)
-        sum += visibility * std::sin(2.0 * M_PI / wave.length * (wave.x * u + wave.y * v) + wave.phase);
+    Lanes sum{};
+    for (const WavePair& waves : waves_[hit]) {
+      if (waves.length[0] <= 4.0 * pixel) break;
+      Lanes visibility = (waves.length / pixel - 4.0) / 4.0;
+      visibility = visibility > 1.0 ? Lanes{1.0, 1.0} : visibility < 0.0 ? Lanes{} : visibility;
+      sum += visibility * sineOfTurns(waves.x * u + waves.y * v + waves.phase);
     }
-    return 128.0 + 12.0 * sum;
+    return 128.0 + 12.0 * (sum[0] + sum[1]);
   }
 
-  std::array<std::array<Wave, 28>, kPlanes> waves_{};
+  std::array<std::array<WavePair, kWavePairs>, kPlanes> waves_{};  ///< of each plane, longest first
 };
 
 }  // namespace cartvo::test

@@ -2,11 +2,27 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <random>
 
 #include <opencv2/core.hpp>
 
 namespace cartvo::test {
+
+/// Two numbers at once: sines of waves take most of the time of tests that draw images.
+using Lanes = double __attribute__((vector_size(16)));
+
+/// sin(2 pi turns): Taylor's series within a quarter of a turn, error below 1e-11.
+inline Lanes sineOfTurns(Lanes turns) {
+  constexpr double kRounder = 0x1.8p52;  // larger numbers have no fractions
+  turns -= (turns + kRounder) - kRounder;
+  turns = turns > 0.25 ? 0.5 - turns : turns < -0.25 ? -0.5 - turns : turns;
+  const Lanes x = 2.0 * M_PI * turns, x2 = x * x;
+  Lanes series = 1.0 - x2 / 210.0;
+  for (const double factors : {156.0, 110.0, 72.0, 42.0, 20.0, 6.0})
+    series = 1.0 - x2 * series / factors;
+  return x * series;
+}
 
 /// Band-limited texture defined at every real coordinate: a sum of waves of random directions and phases, no
 /// shorter than 6 px. Images drawn from it are exact under any shift or warp.
@@ -15,27 +31,29 @@ class WaveTexture {
   explicit WaveTexture(std::uint64_t seed) {
     std::mt19937_64 engine(seed);
     const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1.0p-53; };
-    for (Wave& wave : waves_) {
+    for (std::size_t i = 0; i < 2 * waves_.size(); ++i) {
+      WavePair& waves = waves_[i / 2];
       const double length = 6.0 + 30.0 * uniform() * uniform();
       const double angle = 2.0 * M_PI * uniform();
-      wave = {2.0 * M_PI / length * std::cos(angle), 2.0 * M_PI / length * std::sin(angle),
-              2.0 * M_PI * uniform()};
+      waves.x[i % 2] = std::cos(angle) / length;
+      waves.y[i % 2] = std::sin(angle) / length;
+      waves.phase[i % 2] = uniform();
     }
   }
 
   /// Grey values around 128, within about 60.
   double operator()(double x, double y) const {
-    double sum = 0.0;
-    for (const Wave& wave : waves_)
-      sum += std::sin(wave.x * x + wave.y * y + wave.phase);
-    return 128.0 + 8.0 * sum;
+    Lanes sum{};
+    for (const WavePair& waves : waves_)
+      sum += sineOfTurns(waves.x * x + waves.y * y + waves.phase);
+    return 128.0 + 8.0 * (sum[0] + sum[1]);
   }
 
  private:
-  struct Wave {
-    double x, y, phase;
+  struct WavePair {
+    Lanes x, y, phase;  ///< turns a pixel along x and y; turns
   };
-  std::array<Wave, 24> waves_{};
+  std::array<WavePair, 12> waves_{};
 };
 
 /// Texture with structure of all sizes, as images of the world have: a WaveTexture at three scales.

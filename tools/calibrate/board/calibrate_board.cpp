@@ -1,6 +1,4 @@
 // `cartvo calibrate board`: writes a calibration board to print.
-#include "tools/calibrate/board/calibrate_board.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,6 +11,7 @@
 #include "common/command_line/parser.hpp"
 #include "tools/calibrate/board/board_print.hpp"
 #include "tools/calibrate/board/board_sheet.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 
 namespace cartvo {

@@ -1,6 +1,4 @@
 // `cartvo calibrate check`: tests whether a rig file matches given pictures.
-#include "tools/calibrate/check/calibrate_check.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +16,7 @@
 #include "common/command_line/parser.hpp"
 #include "tools/calibrate/check/row_check.hpp"
 #include "tools/calibrate/source_pairs.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 

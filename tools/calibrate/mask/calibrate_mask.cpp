@@ -1,6 +1,4 @@
 // `cartvo calibrate mask`: finds the parts of the pictures that never show the scene.
-#include "tools/calibrate/mask/calibrate_mask.hpp"
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -20,6 +18,7 @@
 #include "tools/calibrate/camera_files.hpp"
 #include "tools/calibrate/mask/static_parts.hpp"
 #include "tools/calibrate/rig_update.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"

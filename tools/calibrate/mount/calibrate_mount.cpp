@@ -1,6 +1,4 @@
 // `cartvo calibrate mount`: estimates the cameras' mounting on the cart from a drive.
-#include "tools/calibrate/mount/calibrate_mount.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,6 +14,7 @@
 #include "pipeline/source_rig.hpp"
 #include "tools/calibrate/mount/mount.hpp"
 #include "tools/calibrate/mount/mount_source.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"

@@ -1,6 +1,4 @@
 // `cartvo calibrate plan`: predicts depth error and overlap for given baselines, lenses and resolutions.
-#include "tools/calibrate/plan/calibrate_plan.hpp"
-
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -15,6 +13,7 @@
 #include "common/command_line/parser.hpp"
 #include "tools/calibrate/plan/plan_report.hpp"
 #include "tools/calibrate/plan/stereo_design.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "vo_core/odometry_settings.hpp"

@@ -1,6 +1,4 @@
 // `cartvo calibrate readout`: measures the readout of rolling shutters with a lamp on the mains.
-#include "tools/calibrate/readout/calibrate_readout.hpp"
-
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +14,7 @@
 #include "tools/calibrate/readout/mains_bands.hpp"
 #include "tools/calibrate/readout/profile_source.hpp"
 #include "tools/calibrate/rig_update.hpp"
+#include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"

@@ -1,6 +1,4 @@
 // `cartvo camera network`: writes the files that configure the computer's network for the cameras.
-#include "tools/camera/network/network_command.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,6 +13,7 @@
 #include "common/command_line/parser.hpp"
 #include "common/input_file.hpp"
 #include "daemon/service/configuration.hpp"
+#include "tools/camera/actions.hpp"
 #include "tools/camera/network/camera_ports.hpp"
 #include "tools/camera/network/network_files.hpp"
 

@@ -4,7 +4,8 @@ namespace cartvo {
 
 class Command;
 
-/// Adds `network` to `cartvo camera`.
+// Each adds the action of `cartvo camera` that its name says.
+void addDiscoverAction(Command camera);
 void addNetworkAction(Command camera);
 
 }  // namespace cartvo

@@ -98,6 +98,10 @@ class PoseFinder {
   std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
                                 SubsetRandom& random);
 
+  /// Covariance of a perturbation on the right of the pose found, by its inliers: their errors scale the
+  /// noise, so that a codec and wrong depths widen it. `searched`: as find() returned it.
+  Matrix6d covarianceOf(const PoseProblem& searched, const FoundPose& found);
+
   /// Finds another pose, within the motion gate if there is one: the one that most outliers of the pose found
   /// agree on, with at least `minimum_inliers`. `searched`: as find() returned it.
   std::optional<AlternativePose> findAlternative(const PoseProblem& searched,

@@ -154,10 +154,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const StageScope stage(observer, Stage::motion);
     if (!searchPose(pair, draft, motion)) return motion;
   }
-  const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
-                                                            draft.window.back().T_world_camera);
-  motion.evidence.stands = within_standstill;
-  motion.evidence.moves = !within_standstill;
+  const bool within_standstill = observeLeft(draft, motion.evidence);
   checkRightCamera(pair, draft, motion.evidence, observer);
   if (isRejected(pair, motion)) return motion;
   const bool still_stands = standing_ && within_standstill;
@@ -295,6 +292,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
     return false;
   }
   draft.window.back().T_world_camera = found->T_world_camera;
+  draft.pose_covariance = pose_finder_.covarianceOf(pose_problem_, *found);
   correctNewestRows(draft, found->T_world_camera);
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;

@@ -139,11 +139,12 @@ double weightWhere(const PoseProblem& problem, const Condition& condition) {
 template <typename Condition>
 void copyWhere(const PoseProblem& problem, const Condition& condition, PoseProblem& part) {
   part.points.reserve(problem.points.capacity());
+  part.moved.reserve(problem.moved.capacity());
   part = problem;
   std::erase_if(part.points, std::not_fn(condition));
 }
 
-/// Share of the inliers in an image cell, mean of the cells with points.
+/// Share of the inliers in an image cell, mean of the cells with points or what has moved.
 double meanCellRatio(const PoseProblem& problem) {
   std::array<int, kCells> all{}, inliers{};
   for (const PosePoint& point : problem.points) {
@@ -151,6 +152,8 @@ double meanCellRatio(const PoseProblem& problem) {
     ++all[cell];
     inliers[cell] += point.inlier ? 1 : 0;
   }
+  for (const Eigen::Vector2d& pixel : problem.moved)
+    ++all[cellOf(problem.camera, pixel)];
   double sum = 0.0;
   int occupied = 0;
   for (int cell = 0; cell < kCells; ++cell) {

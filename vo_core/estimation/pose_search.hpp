@@ -45,6 +45,8 @@ struct PoseProblem {
   /// px, stddev of each coordinate of left positions for each pyramid level. The noise of the single patch is
   /// ignored: a gate that opens for blurred patches admits wrong matches (docs/architecture.md).
   std::array<double, kLandmarkLevels> noise{0.1, 0.1};
+  /// px, of landmarks without a depth that have moved: no pose is measured by them.
+  std::vector<Eigen::Vector2d> moved;
   /// Motion gate: largest difference from `expected` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vo_core/estimation/pose_points.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
@@ -80,6 +81,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   timing_.use(learnt.readouts);
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
+  pose_problem_.moved.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
   right_rows_.reserve(settings.features);
   {
@@ -287,7 +289,10 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   motion.counts.inliers = found->inliers;
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
   motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found, motion);
-  if (motion.evidence.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
+  const bool is_fixed = isFixedToImage(pose_problem_, *found);
+  // What moves past a part of the cart: pairs in between, in which less of it is found, are doubted, too.
+  if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers) log_odds_ = 0.0;
+  if (motion.evidence.ambiguous || by_chance || is_fixed) {
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
@@ -331,6 +336,10 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
+  problem.moved.clear();
+  for (const Landmark& landmark : draft.landmarks)
+    if (!landmark.hasDepth() && landmark.lastFlow() > still_regions::kMovedFlow)
+      problem.moved.push_back(landmark.last().left);
   if (timing_.isRolling()) addRowNoise(draft);
 }
 

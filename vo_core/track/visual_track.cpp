@@ -293,6 +293,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   // What moves past a part of the cart: pairs in between, in which less of it is found, are doubted, too.
   if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers) log_odds_ = 0.0;
   if (motion.evidence.ambiguous || by_chance || is_fixed) {
+    motion.part_stands = countStillInliers(pose_problem_) > kMajority * found->inliers;
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }

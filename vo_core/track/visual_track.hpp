@@ -56,6 +56,7 @@ struct TrackedMotion {
   /// That the landmarks of the motion are those of the world, by this pair; before the track is established.
   double log_odds = 0.0;
   FeatureCounts counts;
+  bool part_stands = false;    ///< OdometryEstimate::part_stands
   IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }

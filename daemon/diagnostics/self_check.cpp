@@ -22,7 +22,7 @@ constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger one
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
 constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
 constexpr double kPartMemory = 0.05;  // per pair, of the share of pairs in which a part stands
-constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
+constexpr double kHysteresis = 0.7;   // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
 
@@ -97,7 +97,8 @@ std::string SelfCheck::stereoFaultMessage() const {
   // an estimate from few matches is not worth its space in the message.
   if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   if (!hidesPart()) return {};
-  return "a part of the left picture stands still while the rest moves: if it is the cart or dirt on the lens, "
+  return "a part of the left picture stands still while the rest moves: if it is the cart or dirt on the "
+         "lens, "
          "mask it (cartvo calibrate mask), turn the camera or clean it; vehicles around a standing cart pass";
 }
 

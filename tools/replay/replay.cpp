@@ -177,8 +177,8 @@ Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
                      light.add(result, replay.pairs.back().message);
                      self_check.setTexture(light.hasTexture());
                      self_check.update(result.estimate);
-                     of_drive.add(self_check.message(), 1e-9 * static_cast<double>(result.estimate.exposure_ns -
-                                                                                  *first_ns));
+                     of_drive.add(self_check.message(),
+                                  1e-9 * static_cast<double>(result.estimate.exposure_ns - *first_ns));
                      replay.still_regions = result.estimate.still_regions;
                      observer(result, source.pairs);
                    },

@@ -157,7 +157,8 @@ bool isEurocRow(const Row& row, bool has_commas) {
 const char* hintOf(std::size_t numbers) {
   switch (numbers) {
     case 1:
-      return ": messages as text, as of 'ros2 topic echo'? Save them as TUM's rows, as by 'evo_traj --save_as_tum'";
+      return ": messages as text, as of 'ros2 topic echo'? Save them as TUM's rows, as by 'evo_traj "
+             "--save_as_tum'";
     case 4:
       return ": positions only, or latitude and longitude? Poses in metres with rotations are needed";
     case 7:

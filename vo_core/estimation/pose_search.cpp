@@ -15,10 +15,10 @@
 namespace cartvo::vo {
 namespace {
 
-constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
-constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
-constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
-constexpr double kConvergedStep = 1e-5;     // m and rad
+constexpr int kSubsetSize = 4;           // points; three suffice, the fourth stabilises the steps
+constexpr int kSubsetSteps = 4;          // Gauss-Newton steps on a subset
+constexpr int kRefinementSteps = 4;      // Gauss-Newton steps on all inliers
+constexpr double kConvergedStep = 1e-5;  // m and rad
 // Share of a residual's variance that all points have in common, so that it does not average out: a codec
 // moves whole parts of an image. At rest 0.02 was measured with MPEG-4 and JPEG, more in single pairs.
 constexpr double kSharedVariance = 0.05;

@@ -93,8 +93,8 @@ class IntegrityMonitor {
   IntegrityEvidence evidence_;
   PictureStillness stillness_;
   std::optional<std::array<std::uint64_t, 2>> digests_;  ///< of the last pair's images
-  Vector6d velocity_ = Vector6d::Zero();                 ///< m/s and rad/s, at least, at the last valid motion
-  std::int64_t velocity_ns_ = 0;                         ///< its exposure
+  Vector6d velocity_ = Vector6d::Zero();  ///< m/s and rad/s, at least, at the last valid motion
+  std::int64_t velocity_ns_ = 0;          ///< its exposure
 };
 
 }  // namespace cartvo::vo

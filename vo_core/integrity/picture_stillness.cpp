@@ -37,7 +37,8 @@ int PicturePatches::difference(const Patch& patch, const cv::Mat& image, cv::Poi
   std::array<int, kSize * kSize> differences;
   int sum = 0;
   for (int y = 0; y < kSize; ++y) {
-    const std::uint8_t* row = image.ptr<std::uint8_t>(patch.corner.y + shift.y + y) + patch.corner.x + shift.x;
+    const std::uint8_t* row =
+        image.ptr<std::uint8_t>(patch.corner.y + shift.y + y) + patch.corner.x + shift.x;
     for (int x = 0; x < kSize; ++x) {
       const int i = y * kSize + x;
       differences[i] = row[x] - patch.pixels[i];
@@ -74,7 +75,8 @@ void PicturePatches::take(const cv::Mat& image, const cv::Mat& mask) {
                      cv::Point(place.x * (cell.width - kSize - 2 * kShift) / 2,
                                place.y * (cell.height - kSize - 2 * kShift) / 2);
       const cv::Rect area(patch.corner, cv::Size(kSize, kSize));
-      if (!mask.empty() && mask.at<std::uint8_t>(patch.corner + cv::Point(kSize / 2, kSize / 2)) == 0) continue;
+      if (!mask.empty() && mask.at<std::uint8_t>(patch.corner + cv::Point(kSize / 2, kSize / 2)) == 0)
+        continue;
       const cv::Mat pixels = image(area);
       for (int y = 0; y < kSize; ++y)
         std::copy_n(pixels.ptr<std::uint8_t>(y), kSize, &patch.pixels[y * kSize]);

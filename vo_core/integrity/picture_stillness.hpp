@@ -37,8 +37,8 @@ class PicturePatches {
 /// about as many patches move in both.
 class PictureStillness {
  public:
-  /// Compares the next pair with an earlier one: the last at which a picture had moved, or up to ten pairs ago.
-  /// What two comparisons in a row show counts.
+  /// Compares the next pair with an earlier one: the last at which a picture had moved, or up to ten pairs
+  /// ago. What two comparisons in a row show counts.
   void update(const StereoImages& images, const StereoMasks& masks);
   bool leftAlone() const { return alone_ == Alone::left; }    ///< only the left picture is still
   bool rightAlone() const { return alone_ == Alone::right; }  ///< only the right one is

@@ -291,7 +291,8 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found, motion);
   const bool is_fixed = isFixedToImage(pose_problem_, *found);
   // What moves past a part of the cart: pairs in between, in which less of it is found, are doubted, too.
-  if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers) log_odds_ = 0.0;
+  if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers)
+    log_odds_ = 0.0;
   if (motion.evidence.ambiguous || by_chance || is_fixed) {
     motion.part_stands = countStillInliers(pose_problem_) > kMajority * found->inliers;
     motion.reason = OdometryReason::too_few_inliers;

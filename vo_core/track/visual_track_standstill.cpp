@@ -30,8 +30,8 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   landmarks_when_stopped_ = countWithDepth(landmarks_);
 }
 
-/// Compares the pose found with the last one. Returns whether the left image shows a standstill; a motion that
-/// its errors may explain is neither a standstill nor a motion.
+/// Compares the pose found with the last one. Returns whether the left image shows a standstill; a motion
+/// that its errors may explain is neither a standstill nor a motion.
 bool VisualTrack::observeLeft(const Draft& draft, IntegrityEvidence& evidence) const {
   const Eigen::Isometry3d motion =
       window_.back().T_world_camera.inverse() * draft.window.back().T_world_camera;

@@ -160,8 +160,8 @@ TEST_P(FrozenWithNoise, IsNamed) {
       EXPECT_EQ(estimate.reasons, OdometryReason::repeated_picture) << i;
     }
     if (estimate.valid) {
-      EXPECT_NEAR(estimate.T_previous_current.translation().z() / estimate.time_step,
-                  kDrives * 1e9 / kPeriod, 0.1)
+      EXPECT_NEAR(estimate.T_previous_current.translation().z() / estimate.time_step, kDrives * 1e9 / kPeriod,
+                  0.1)
           << i;
     }
     if ((i > 0 && i < kFreezes) || i >= kRecoversLate + 2) {

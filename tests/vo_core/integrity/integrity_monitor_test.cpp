@@ -57,9 +57,9 @@ E evidenceOf(unsigned bits) {
 /// Whether a pair can show this: no motion is seen to be two things at once.
 bool isPossible(const E& e) {
   const bool seen = e.stands || e.moves;
-  return !(e.stands && e.moves) && !(e.left_alone && e.right_alone) && !(e.tracked && e.lost) && (!e.zero_velocity || (e.tracked && e.stands)) &&
-         (!e.tracked || seen) && !(e.right_moves && e.right_stays) &&
-         (e.stands || !(e.right_moves || e.right_stays)) &&
+  return !(e.stands && e.moves) && !(e.left_alone && e.right_alone) && !(e.tracked && e.lost) &&
+         (!e.zero_velocity || (e.tracked && e.stands)) && (!e.tracked || seen) &&
+         !(e.right_moves && e.right_stays) && (e.stands || !(e.right_moves || e.right_stays)) &&
          !(e.no_track && (e.late || e.by_candidate || seen)) && (!e.ambiguous || (e.lost && !seen));
 }
 

@@ -96,6 +96,8 @@ struct OdometryEstimate {
   std::optional<ReadoutEstimates> readouts;  ///< empty if they are not estimated
   /// Parts of the image that do not move with the scene and are left out: lettering, dirt, the cart itself.
   ImageRegions still_regions;
+  /// Of an invalid pair: what stands in the left image agrees with a standstill, while the rest of it moves.
+  bool part_stands = false;
   /// Fault of the pair's geometry; none unless the reasons have wrong_stereo_geometry.
   StereoFault stereo_fault = StereoFault::none;
 };

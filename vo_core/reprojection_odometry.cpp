@@ -300,6 +300,7 @@ OdometryEstimate ReprojectionOdometry::toEstimate(const PreparedPair& pair,
     estimate.readouts = track_->readouts();
     estimate.still_regions = track_->stillRegions().regions();
   }
+  estimate.part_stands = motion.part_stands && !estimate.valid;
   if (!estimate.valid) return estimate;
   estimate.time_step = motion.time_step;
   estimate.T_previous_current = motion.T_previous_current;

@@ -80,7 +80,7 @@ OdometryEstimate StereoOdometry::process(const StereoImages& images, StageObserv
   checkImage(images.right, camera_, "right");
   integrity_->beginPair(images);
   const IntegrityEvidence& seen = integrity_->evidence();
-  const StereoFault fault = stereo_geometry_->update(images, seen.left_repeats || seen.right_repeats);
+  const StereoFault fault = stereo_geometry_->update(images, seen.anyRepeats());
   if (integrity_->update(seen) == IntegrityAction::reject) {
     last_ = rejected(last_, images, OdometryReason::repeated_picture);
   } else if (fault != StereoFault::none) {

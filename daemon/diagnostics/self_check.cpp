@@ -21,7 +21,8 @@ constexpr double kMinAngle = 0.1 / kDegreesPerRadian;
 constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
 constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
-constexpr double kHysteresis = 0.7;  // a reported fault ends below this fraction of its limit
+constexpr double kPartMemory = 0.05;  // per pair, of the share of pairs in which a part stands
+constexpr double kHysteresis = 0.7;   // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
 
@@ -51,6 +52,9 @@ void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   matches_.update(estimate);
   changed_ = changed_ || areMatchesMissing() != were_missing;
   updateStillRegions(estimate);
+  const bool was_part = hidesPart();
+  part_share_ += kPartMemory * ((estimate.part_stands ? 1.0 : 0.0) - part_share_);
+  changed_ = changed_ || hidesPart() != was_part;
 }
 
 void SelfCheck::setTexture(bool suffices) {
@@ -91,7 +95,11 @@ std::string SelfCheck::stereoFaultMessage() const {
     if (text.fault == reportedFault()) return text.sentence;
   // If an angle causes the missing matches, message() reports the angle. Otherwise only the missing matches:
   // an estimate from few matches is not worth its space in the message.
-  return areMatchesMissing() && !anglesCauseMissingMatches() ? matches_.message() : std::string();
+  if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
+  if (!hidesPart()) return {};
+  return "a part of the left picture stands still while the rest moves: if it is the cart or dirt on the "
+         "lens, "
+         "mask it (cartvo calibrate mask), turn the camera or clean it; vehicles around a standing cart pass";
 }
 
 std::string SelfCheck::message() const {

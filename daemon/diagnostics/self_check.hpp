@@ -31,8 +31,8 @@ class SelfCheck {
   /// which it may cause.
   std::string message() const;
 
-  /// The gross fault or the missing matches, without which there is no odometry, and what to do; empty if
-  /// there is neither.
+  /// The gross fault, the missing matches or a part of the cart in the view, with which there is no odometry,
+  /// and what to do; empty if there is none.
   std::string stereoFaultMessage() const;
 
   /// True once after each change of the set of faults.
@@ -43,6 +43,7 @@ class SelfCheck {
 
  private:
   static constexpr std::size_t kQuantities = 4;  ///< time offset, pitch, yaw, roll
+  static constexpr double kPartShown = 0.5;      ///< share of pairs
 
   /// None while the texture does not suffice to tell.
   vo::StereoFault reportedFault() const { return texture_suffices_ ? stereo_fault_ : vo::StereoFault::none; }
@@ -53,6 +54,7 @@ class SelfCheck {
   bool anglesCauseMissingMatches() const;
   std::string anglesMessage() const;
   std::string stillRegionsMessage() const;
+  bool hidesPart() const { return part_share_ > kPartShown; }
 
   std::optional<vo::RigCalibrationError> rig_;
   std::array<bool, kQuantities> faulty_{};
@@ -61,6 +63,7 @@ class SelfCheck {
   vo::ImageRegions still_regions_;              ///< to report
   std::optional<std::int64_t> still_since_ns_;  ///< exposure of the first pair that had some; empty: none
   vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named
+  double part_share_ = 0.0;  ///< of the last pairs with OdometryEstimate::part_stands
   bool texture_suffices_ = true;
   bool changed_ = false;
 };

@@ -3,6 +3,7 @@
 #include "tools/replay/replay.hpp"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/configuration.hpp"
+#include "tools/replay/drive_self_check.hpp"
 #include "tools/replay/light_by_seconds.hpp"
 #include "vo_core/rigid_motion.hpp"
 
@@ -167,18 +169,23 @@ Replay replayPairs(capture::StereoSource& source, const pipeline::FoundRig& rig,
   ContinuousPath path;
   LightBySeconds light;
   daemon::SelfCheck self_check({rig.rig.left.readout, rig.rig.right.readout});
+  DriveSelfCheck of_drive;
+  std::optional<std::int64_t> first_ns;
   pipeline.replay({[&](const pipeline::PairResult& result) {
+                     if (!first_ns) first_ns = result.estimate.exposure_ns;
                      replay.pairs.push_back(toReplayedPair(result, left, path));
                      light.add(result, replay.pairs.back().message);
                      self_check.setTexture(light.hasTexture());
                      self_check.update(result.estimate);
+                     of_drive.add(self_check.message(),
+                                  1e-9 * static_cast<double>(result.estimate.exposure_ns - *first_ns));
                      replay.still_regions = result.estimate.still_regions;
                      observer(result, source.pairs);
                    },
                    {}});
 
   replay.counts = pipeline.counts();
-  replay.self_check = self_check.message();
+  replay.self_check = of_drive.sentence();
   if (source.clock) replay.clock = source.clock->status();
   replay.problems = source.warnings;
   for (std::string& problem : light.consumeProblems())

@@ -101,7 +101,7 @@ struct Replay {
   pipeline::PipelineCounts counts;
   std::optional<VideoTiming> timing;          ///< for two videos
   std::optional<capture::ClockStatus> clock;  ///< final state, for a recording with recomputed timestamps
-  std::string self_check;                     ///< SelfCheck::message at the end; empty: no fault
+  std::string self_check;                     ///< DriveSelfCheck::sentence; empty: no fault
   vo::ImageRegions still_regions;             ///< OdometryEstimate::still_regions at the end
   std::vector<std::string> problems;          ///< warnings and errors of the sources and the rig
 };

@@ -155,6 +155,23 @@ bool isEurocRow(const Row& row, bool has_commas) {
          (row.words.size() == kTumNumbers && has_commas && is_integer && value >= kMinNanoseconds);
 }
 
+/// What rows of as many numbers mostly are, and what to do.
+const char* hintOf(std::size_t numbers) {
+  switch (numbers) {
+    case 1:
+      return ": messages as text, as of 'ros2 topic echo'? Save them as TUM's rows, as by 'evo_traj "
+             "--save_as_tum'";
+    case 4:
+      return ": positions only, or latitude and longitude? Poses in metres with rotations are needed";
+    case 7:
+      return ": Euler angles? Write quaternions, or is the instant missing?";
+    case 16:
+      return ": a 4x4 matrix? Leave out its last row; decimal commas? Write points";
+    default:
+      return "";
+  }
+}
+
 Format formatOf(const Row& row, bool has_commas) {
   if (isEurocRow(row, has_commas)) return Format::euroc;
   if (row.words.size() == kKittiNumbers) return Format::kitti;
@@ -163,7 +180,7 @@ Format formatOf(const Row& row, bool has_commas) {
        "expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix), or 8 or 17 after "
        "commas "
        "(EuRoC: ns x y z qw qx qy qz ...), found " +
-           std::to_string(row.words.size()));
+           std::to_string(row.words.size()) + hintOf(row.words.size()));
 }
 
 /// Where a line's comment begins: at '#', or at its start if it begins with '%' or '//', or is a header of

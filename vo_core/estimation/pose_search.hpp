@@ -45,6 +45,8 @@ struct PoseProblem {
   /// px, stddev of each coordinate of left positions for each pyramid level. The noise of the single patch is
   /// ignored: a gate that opens for blurred patches admits wrong matches (docs/architecture.md).
   std::array<double, kLandmarkLevels> noise{0.1, 0.1};
+  /// px, of landmarks without a depth that have moved: no pose is measured by them.
+  std::vector<Eigen::Vector2d> moved;
   /// Motion gate: largest difference from `expected` per component, m and rad. Unset without a prediction.
   std::optional<Vector6d> admissible_change;
 };
@@ -97,6 +99,10 @@ class PoseFinder {
   /// Returns nothing with too few points or if no pose lies within the motion gate.
   std::optional<FoundPose> find(PoseProblem& problem, const PoseSearchSettings& settings,
                                 SubsetRandom& random);
+
+  /// Covariance of a perturbation on the right of the pose found, by its inliers: their errors scale the
+  /// noise, so that a codec and wrong depths widen it. `searched`: as find() returned it.
+  Matrix6d covarianceOf(const PoseProblem& searched, const FoundPose& found);
 
   /// Finds another pose, within the motion gate if there is one: the one that most outliers of the pose found
   /// agree on, with at least `minimum_inliers`. `searched`: as find() returned it.

@@ -1,49 +1,66 @@
 // Detection of a frozen left camera by the right camera's motion.
 #include "vo_core/integrity/frozen_camera_detector.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
+#include "vo_core/estimation/pose_search.hpp"
 #include "vo_core/fixed_constants.hpp"
 
 namespace cartvo::vo {
+namespace {
 
-FrozenCameraDetector::Start FrozenCameraDetector::startAt(const RightDisplacement& displacement,
-                                                          std::int64_t exposure_ns) const {
-  StandstillSettings limits = settings_;
-  // Two displacements are compared, each of which errs. In the dark that is more than the limits.
-  const Vector6d noise = std::sqrt(2.0) * settings_.motion_significance * displacement.stddev;
-  limits.translation = std::max(frozen_camera::kLimitFactor * limits.translation, noise.head<3>().norm());
-  limits.rotation = std::max(frozen_camera::kLimitFactor * limits.rotation, noise.tail<3>().norm());
-  return {displacement, exposure_ns, limits};
+/// Two displacements are compared, each of which errs.
+StandstillSettings limitsOf(StandstillSettings settings) {
+  settings.translation *= frozen_camera::kLimitFactor;
+  settings.rotation *= frozen_camera::kLimitFactor;
+  return settings;
 }
+
+}  // namespace
+
+FrozenCameraDetector::FrozenCameraDetector(const StandstillSettings& settings)
+    : settings_(settings), limits_(limitsOf(settings)) {}
 
 void FrozenCameraDetector::start(const RightDisplacement& displacement, std::int64_t exposure_ns,
                                  const Vector6d& slack) {
-  start_ = startAt(displacement, exposure_ns);
-  start_->limits.translation += slack.head<3>().norm();
-  start_->limits.rotation += slack.tail<3>().norm();
+  start_ = Start{displacement, exposure_ns, {}};
+  const Vector6d largest = slack / settings_.motion_significance;
+  auto variances = start_->displacement.covariance.diagonal();
+  variances.head<3>().array() += largest.head<3>().squaredNorm();
+  variances.tail<3>().array() += largest.tail<3>().squaredNorm();
+}
+
+/// Whether the right camera has moved since the start: by far, or in two pairs in a row the same way. Errors
+/// of a codec are large at times, but then others in the next pair.
+bool FrozenCameraDetector::hasMoved(const RightDisplacement& now) {
+  const RightDisplacement& before = start_->displacement;
+  const Eigen::Isometry3d motion = before.motion.inverse() * now.motion;
+  const Matrix6d covariance = before.covariance + now.covariance;
+  const auto last = std::exchange(start_->departure, std::nullopt);
+  if (limits_.isExceededBy(motion, kWideGate * kWideGate * covariance)) return true;
+  if (!limits_.isExceededBy(motion, covariance)) return false;
+  start_->departure = vectorFromMotion(motion);
+  return last && limits_.isExceededBy(motionFromVector(0.5 * (*last + *start_->departure)), covariance);
 }
 
 RightMotion FrozenCameraDetector::update(const std::optional<RightDisplacement>& displacement,
                                          std::int64_t exposure_ns, bool left_repeats) {
-  const int landmarks = start_->displacement.landmarks;
-  if (!displacement || displacement->landmarks < frozen_camera::kMinimumLandmarkShare * landmarks) {
+  const RightDisplacement& before = start_->displacement;
+  if (!displacement || displacement->landmarks < frozen_camera::kMinimumLandmarkShare * before.landmarks) {
     // The cause may be glare or a bus, unless the left image repeats.
     start_->since_ns = exposure_ns;
     return left_repeats ? RightMotion::moves : RightMotion::unknown;
   }
-  const Start now = startAt(*displacement, exposure_ns);
-  if (StandstillDetector(start_->limits)
-          .exceedsLimits(start_->displacement.motion.inverse() * now.displacement.motion)) {
-    start_ = now;
-    start_->displacement.landmarks = landmarks;  // kept: their number falls with each pair
+  if (hasMoved(*displacement)) {
+    const int landmarks = before.landmarks;  // kept: their number falls with each pair
+    start_ = Start{*displacement, exposure_ns, {}};
+    start_->displacement.landmarks = landmarks;
     return RightMotion::moves;
   }
   if (1e-9 * static_cast<double>(exposure_ns - start_->since_ns) < settings_.least_time)
     return RightMotion::unknown;
   // The right camera stands at this place: extrapolations from before the stop no longer apply.
-  start_ = now;
+  start_ = Start{*displacement, exposure_ns, {}};
   return RightMotion::stays;
 }
 

@@ -10,9 +10,9 @@ namespace cartvo::vo {
 
 /// The right camera, localised by its own image.
 struct RightDisplacement {
-  Eigen::Isometry3d motion;            ///< from its place by the left camera's pose to its own pose
-  int landmarks = 0;                   ///< number of inliers
-  Vector6d stddev = Vector6d::Zero();  ///< of a measured motion of the left camera; m and rad
+  Eigen::Isometry3d motion;                ///< from its place by the left camera's pose to its own pose
+  int landmarks = 0;                       ///< number of inliers
+  Matrix6d covariance = Matrix6d::Zero();  ///< of a perturbation on the right, m and rad
 };
 
 /// Motion of the right camera while the left image shows a standstill.
@@ -26,7 +26,7 @@ enum class RightMotion : std::uint8_t {
 /// left one; if it moves, the left camera is frozen and continues to send.
 class FrozenCameraDetector {
  public:
-  explicit FrozenCameraDetector(const StandstillSettings& settings) : settings_(settings) {}
+  explicit FrozenCameraDetector(const StandstillSettings& settings);
 
   /// Discards the right camera's place.
   void reset() { start_.reset(); }
@@ -47,12 +47,13 @@ class FrozenCameraDetector {
   struct Start {
     RightDisplacement displacement;
     std::int64_t since_ns;
-    StandstillSettings limits;
+    std::optional<Vector6d> departure;  ///< of the last pair, if that showed a motion by itself
   };
 
-  Start startAt(const RightDisplacement& displacement, std::int64_t exposure_ns) const;
+  bool hasMoved(const RightDisplacement& now);
 
   StandstillSettings settings_;
+  StandstillDetector limits_;
   std::optional<Start> start_;
 };
 

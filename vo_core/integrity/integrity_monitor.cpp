@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/picture_digest.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 
 namespace cartvo::vo {
@@ -32,6 +33,9 @@ constexpr std::array kTransitions = std::to_array<IntegrityTransition>({
     {setOf(both_frozen), {&E::right_repeats}, {}, both_frozen, reject},
     {setOf(left_frozen), {&E::left_repeats}, {}, left_frozen, reject},
     {setOf(right_frozen), {&E::right_repeats}, {}, right_frozen, reject},
+    // A picture that is still, up to noise, while the other camera moves.
+    {kAny, {&E::left_alone}, {}, left_frozen, reject},
+    {kAny, {&E::right_alone}, {}, right_frozen, reject},
     // No pair to measure from. The track of a frozen left camera is continued until the camera recovers.
     {kAny, {&E::no_track}, {}, lost, start_epoch},
     {kLeftRuns, {&E::late}, {}, lost, start_epoch},
@@ -82,6 +86,9 @@ void IntegrityMonitor::beginPair(const StereoImages& images) {
   // An encoder gives the uniform pictures of a covered lens without noise: they repeat with a good camera.
   evidence_.left_repeats = digests_ && digests[0] == (*digests_)[0] && !isUniform(images.left);
   evidence_.right_repeats = digests_ && digests[1] == (*digests_)[1] && !isUniform(images.right);
+  stillness_.update(images, masks_);
+  evidence_.left_alone = stillness_.leftAlone();
+  evidence_.right_alone = stillness_.rightAlone();
   evidence_.cannot_stop =
       !canStop(velocity_, 1e-9 * static_cast<double>(images.left_exposure_ns - velocity_ns_));
   digests_ = digests;
@@ -96,7 +103,10 @@ IntegrityAction IntegrityMonitor::update(const IntegrityEvidence& evidence) {
 void IntegrityMonitor::endPair(OdometryEstimate& estimate) {
   estimate.state = state_;
   if (!estimate.valid) return;
-  velocity_ = vectorFromMotion(estimate.T_previous_current) / estimate.time_step;
+  // As much as is certain: noise of a camera at rest is no speed.
+  const Vector6d motion = vectorFromMotion(estimate.T_previous_current);
+  const Vector6d bound = protection::kBoundFactor * estimate.motion_covariance.diagonal().cwiseSqrt();
+  velocity_ = (motion - motion.cwiseMax(-bound).cwiseMin(bound)) / estimate.time_step;
   velocity_ns_ = estimate.exposure_ns;
 }
 

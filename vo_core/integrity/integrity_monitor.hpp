@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "vo_core/integrity/picture_stillness.hpp"
 #include "vo_core/odometry_estimate.hpp"
 #include "vo_core/stereo_masks.hpp"
 
@@ -16,6 +17,8 @@ namespace cartvo::vo {
 struct IntegrityEvidence {
   bool left_repeats = false;   ///< the left image equals the previous one, by its digest
   bool right_repeats = false;  ///< the right one does
+  bool left_alone = false;     ///< the left picture is still, up to noise, while the right one moves
+  bool right_alone = false;    ///< the right one is
   bool cannot_stop = false;    ///< the cart was too fast at the last valid motion to have stopped since
   bool no_track = false;       ///< there is no earlier pair to measure a motion from
   bool late = false;           ///< the track's last pair is older than validity.maximum_time_step
@@ -28,6 +31,9 @@ struct IntegrityEvidence {
   bool zero_velocity = false;  ///< it is a zero-velocity update
   bool lost = false;           ///< the motion is invalid
   bool ambiguous = false;      ///< because the landmarks may as well show another one
+
+  /// Whether an image is none of this pair's instant.
+  bool anyRepeats() const { return left_repeats || right_repeats || left_alone || right_alone; }
 };
 
 /// Treatment of a pair by the odometry.
@@ -85,9 +91,10 @@ class IntegrityMonitor {
   StereoMasks masks_;
   IntegrityState state_ = IntegrityState::lost;
   IntegrityEvidence evidence_;
+  PictureStillness stillness_;
   std::optional<std::array<std::uint64_t, 2>> digests_;  ///< of the last pair's images
-  Vector6d velocity_ = Vector6d::Zero();                 ///< m/s and rad/s, at the last valid motion
-  std::int64_t velocity_ns_ = 0;                         ///< its exposure
+  Vector6d velocity_ = Vector6d::Zero();  ///< m/s and rad/s, at least, at the last valid motion
+  std::int64_t velocity_ns_ = 0;          ///< its exposure
 };
 
 }  // namespace cartvo::vo

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,14 @@ class StandstillDetector {
   bool exceedsLimits(const Eigen::Isometry3d& motion, double factor) const {
     return motion.translation().norm() > factor * settings_.translation ||
            Eigen::AngleAxisd(motion.linear()).angle() > factor * settings_.rotation;
+  }
+
+  /// Whether a measured motion exceeds the limits by more than its errors.
+  bool isExceededBy(const Eigen::Isometry3d& motion, const Matrix6d& covariance) const {
+    if (!exceedsLimits(motion)) return false;
+    const Vector6d vector = vectorFromMotion(motion);
+    const double square = vector.dot(covariance.ldlt().solve(vector));
+    return square > settings_.motion_significance * settings_.motion_significance;
   }
 
   /// Covariance of a motion during a standstill, whose bounds are the limits.

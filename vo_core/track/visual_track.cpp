@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vo_core/estimation/pose_points.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/plausible_motion.hpp"
 #include "vo_core/geometry/triangulation.hpp"
 #include "vo_core/self_calibration/newest_pair.hpp"
@@ -80,6 +81,7 @@ VisualTrack::VisualTrack(const StereoCamera& camera, const OdometrySettings& set
   timing_.use(learnt.readouts);
   // All buffers reserve the capacity of these lists.
   landmarks_.reserve(settings.features);
+  pose_problem_.moved.reserve(settings.features);
   draft_.landmarks.reserve(settings.features);
   right_rows_.reserve(settings.features);
   {
@@ -154,10 +156,7 @@ TrackedMotion VisualTrack::track(const PreparedPair& pair, StageObserver& observ
     const StageScope stage(observer, Stage::motion);
     if (!searchPose(pair, draft, motion)) return motion;
   }
-  const bool within_standstill = !standstill_.exceedsLimits(window_.back().T_world_camera.inverse() *
-                                                            draft.window.back().T_world_camera);
-  motion.evidence.stands = within_standstill;
-  motion.evidence.moves = !within_standstill;
+  const bool within_standstill = observeLeft(draft, motion.evidence);
   checkRightCamera(pair, draft, motion.evidence, observer);
   if (isRejected(pair, motion)) return motion;
   const bool still_stands = standing_ && within_standstill;
@@ -290,11 +289,17 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   motion.counts.inliers = found->inliers;
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
   motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found, motion);
-  if (motion.evidence.ambiguous || by_chance || isFixedToImage(pose_problem_, *found)) {
+  const bool is_fixed = isFixedToImage(pose_problem_, *found);
+  // What moves past a part of the cart: pairs in between, in which less of it is found, are doubted, too.
+  if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers)
+    log_odds_ = 0.0;
+  if (motion.evidence.ambiguous || by_chance || is_fixed) {
+    motion.part_stands = countStillInliers(pose_problem_) > kMajority * found->inliers;
     motion.reason = OdometryReason::too_few_inliers;
     return false;
   }
   draft.window.back().T_world_camera = found->T_world_camera;
+  draft.pose_covariance = pose_finder_.covarianceOf(pose_problem_, *found);
   correctNewestRows(draft, found->T_world_camera);
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     draft.landmarks[chosen_[i]].observations.back().outlier = pose_problem_.points[i].outlier;
@@ -333,6 +338,10 @@ void VisualTrack::buildPoseProblem(const PreparedPair& pair, const Draft& draft)
   problem.admissible_change.reset();
   if (velocity_) problem.admissible_change = admissibleChange(pair);
   toPosePoints(draft.landmarks, window_, camera_, problem.points, chosen_);
+  problem.moved.clear();
+  for (const Landmark& landmark : draft.landmarks)
+    if (!landmark.hasDepth() && landmark.lastFlow() > still_regions::kMovedFlow)
+      problem.moved.push_back(landmark.last().left);
   if (timing_.isRolling()) addRowNoise(draft);
 }
 

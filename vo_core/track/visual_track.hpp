@@ -56,6 +56,7 @@ struct TrackedMotion {
   /// That the landmarks of the motion are those of the world, by this pair; before the track is established.
   double log_odds = 0.0;
   FeatureCounts counts;
+  bool part_stands = false;    ///< OdometryEstimate::part_stands
   IntegrityEvidence evidence;  ///< of the pair and the track
 
   bool valid() const { return reason == OdometryReason::none || reason == OdometryReason::zero_velocity; }
@@ -131,6 +132,7 @@ class VisualTrack {
     Estimates estimates;                                      ///< set by adjust()
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< first guess of the pair's pose
     bool prediction_failed = false;                           ///< TrackingOutcome::prediction_failed
+    Matrix6d pose_covariance = Matrix6d::Zero();              ///< of the pose found, by its inliers
     MotionPredictions predictions{};
   };
 
@@ -163,6 +165,7 @@ class VisualTrack {
   // visual_track_standstill.cpp
   void applyZeroVelocity(const PreparedPair& pair, TrackedMotion& motion);
   void refreshStandstill(const PreparedPair& pair, Draft& draft, const TrackedMotion& motion);
+  bool observeLeft(const Draft& draft, IntegrityEvidence& evidence) const;
   std::optional<RightDisplacement> localiseRight(const std::vector<WindowFrame>& window,
                                                  const std::vector<Landmark>& landmarks);
   void checkRightCamera(const PreparedPair& pair, Draft& draft, IntegrityEvidence& evidence,
@@ -199,9 +202,8 @@ class VisualTrack {
   std::vector<WindowFrame> window_;   ///< oldest first; never empty
   double log_odds_ = 0.0;             ///< sum of TrackedMotion::log_odds
   std::optional<Vector6d> velocity_;  ///< at the last pair, in its axes, m/s and rad/s; empty after the first
-  Vector6d last_stddev_ = Vector6d::Zero();  ///< TrackedMotion::stddevByWindow() of the last motion
-  std::int64_t last_exposure_ns_ = 0;        ///< of the last tracked pair
-  std::int64_t unambiguous_ns_ = 0;          ///< exposure of the last pair without an alternative pose
+  std::int64_t last_exposure_ns_ = 0;  ///< of the last tracked pair
+  std::int64_t unambiguous_ns_ = 0;    ///< exposure of the last pair without an alternative pose
   // State of the current pair; members to reuse their memory.
   Draft draft_;
   std::vector<std::size_t>

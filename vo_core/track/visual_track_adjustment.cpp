@@ -122,7 +122,6 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
 
   addStartUncertainty(motion);
   velocity_ = vectorFromMotion(motion.T_previous_current) / motion.time_step;
-  last_stddev_ = motion.stddevByWindow();
   timing_.use(draft.estimates.readouts);
   if (timing_.isRolling())
     correctRows(camera_, timing_, draft.window, draft.window.size() - adjusted->pairs.size(),

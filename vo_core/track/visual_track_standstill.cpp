@@ -30,6 +30,17 @@ void VisualTrack::refreshStandstill(const PreparedPair& pair, Draft& draft, cons
   landmarks_when_stopped_ = countWithDepth(landmarks_);
 }
 
+/// Compares the pose found with the last one. Returns whether the left image shows a standstill; a motion
+/// that its errors may explain is neither a standstill nor a motion.
+bool VisualTrack::observeLeft(const Draft& draft, IntegrityEvidence& evidence) const {
+  const Eigen::Isometry3d motion =
+      window_.back().T_world_camera.inverse() * draft.window.back().T_world_camera;
+  evidence.stands = !standstill_.exceedsLimits(motion);
+  // The last pose errs as much as this one.
+  evidence.moves = standstill_.isExceededBy(motion, 2.0 * draft.pose_covariance);
+  return evidence.stands;
+}
+
 /// Localises the right camera of the window's last pair by its own image; empty if that fails. The anchors of
 /// pose_problem_ are those of the landmarks.
 std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<WindowFrame>& window,
@@ -43,7 +54,8 @@ std::optional<RightDisplacement> VisualTrack::localiseRight(const std::vector<Wi
   SubsetRandom random(settings_.seed);  // not random_: the check must not change any motion
   const auto found = pose_finder_.find(problem, settings_.pose_search, random);
   if (!found || !hasEnoughInliers(*found, settings_.validity)) return std::nullopt;
-  return RightDisplacement{problem.start.inverse() * found->T_world_camera, found->inliers, last_stddev_};
+  return RightDisplacement{problem.start.inverse() * found->T_world_camera, found->inliers,
+                           pose_finder_.covarianceOf(problem, *found)};
 }
 
 /// Compares a left image without motion with the right camera: during a standstill, when a motion was

@@ -54,7 +54,11 @@ def test_files_of_different_frames_are_refused(bench):
 
 
 ROW = "0 0 0 0 0 0 0 1\n"
+OTHER = (":1: expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix), or 8 or 17 after commas "
+         "(EuRoC: ns x y z qw qx qy qz ...), ")
 BAD = {
+    "0,5 " * 7 + "0,5\n": OTHER + "found 16: a 4x4 matrix? Leave out its last row; decimal commas?",
+    "0 1 2 3\n": OTHER + "found 4: positions only",
     "0 1 2\n": ":1: expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix)",
     ROW + "1 0 0 0 0 1 0 0 0 0 1 0\n": ":2: expected 8 numbers as in the rows before, found 12",
     "# x\n0 0 zero 0 0 0 0 1\n": ":2: expected a number in column 3, found 'zero'",

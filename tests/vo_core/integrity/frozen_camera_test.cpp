@@ -134,6 +134,44 @@ TEST(FrozenCameraOdometry, DetectsAFrozenImageThatAnEncoderRefines) {
   EXPECT_TRUE(estimate.valid);
 }
 
+class FrozenWithNoise : public testing::TestWithParam<Frozen> {};
+
+/// The picture is repeated, its noise and its brightness are not.
+TEST_P(FrozenWithNoise, IsNamed) {
+  constexpr double kDrives = 0.06;  // m per pair: 1.2 m/s
+  constexpr int kRecoversLate = 17, kEnd = 22;
+  const test::CorridorWorld world(1);
+  test::Noise noise(1);
+  StereoOdometry odometry = odometryBy(Estimator::reprojection);
+  NullStageObserver observer;
+  const auto view = [&](int pair, bool freezes) {
+    const bool frozen = freezes && pair >= kFreezes && pair < kRecoversLate;
+    return Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, kDrives * (frozen ? kFreezes - 1 : pair)));
+  };
+  for (int i = 0; i < kEnd; ++i) {
+    StereoImages pair{world.view(kCamera, view(i, GetParam() == Frozen::left)).clone(),
+                      world.rightView(kCamera, view(i, GetParam() == Frozen::right)).clone(), i * kPeriod,
+                      i * kPeriod};
+    for (cv::Mat* image : {&pair.left, &pair.right})
+      for (std::uint8_t& grey : cv::Mat_<std::uint8_t>(*image))
+        grey = cv::saturate_cast<std::uint8_t>(grey + i % 3 + 2.0 * noise.gaussian());
+    const OdometryEstimate estimate = odometry.process(pair, observer);
+    if (i >= kFreezes + 3 && i < kRecoversLate) {
+      EXPECT_EQ(estimate.reasons, OdometryReason::repeated_picture) << i;
+    }
+    if (estimate.valid) {
+      EXPECT_NEAR(estimate.T_previous_current.translation().z() / estimate.time_step, kDrives * 1e9 / kPeriod,
+                  0.1)
+          << i;
+    }
+    if ((i > 0 && i < kFreezes) || i >= kRecoversLate + 2) {
+      EXPECT_TRUE(estimate.valid) << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Odometry, FrozenWithNoise, testing::Values(Frozen::left, Frozen::right));
+
 /// A cart that stands for kStands pairs, then accelerates; show() processes a pair whose cameras show the
 /// given places.
 class FrozenAtStandstill : public testing::Test {

@@ -28,9 +28,11 @@ using Condition = IntegrityTransition::Condition;
 constexpr std::array kStates{tracking, standstill, left_frozen, right_frozen, both_frozen, lost};
 constexpr std::array<const char*, 6> kStateNames{"tracking",     "standstill",  "left frozen",
                                                  "right frozen", "both frozen", "lost"};
-const std::array<std::pair<Condition, const char*>, 14> kConditions{{
+const std::array<std::pair<Condition, const char*>, 16> kConditions{{
     {&E::left_repeats, "left repeats"},
     {&E::right_repeats, "right repeats"},
+    {&E::left_alone, "left alone"},
+    {&E::right_alone, "right alone"},
     {&E::cannot_stop, "cannot stop"},
     {&E::no_track, "no track"},
     {&E::late, "late"},
@@ -55,9 +57,9 @@ E evidenceOf(unsigned bits) {
 /// Whether a pair can show this: no motion is seen to be two things at once.
 bool isPossible(const E& e) {
   const bool seen = e.stands || e.moves;
-  return !(e.stands && e.moves) && !(e.tracked && e.lost) && (!e.zero_velocity || (e.tracked && e.stands)) &&
-         (!e.tracked || seen) && !(e.right_moves && e.right_stays) &&
-         (e.stands || !(e.right_moves || e.right_stays)) &&
+  return !(e.stands && e.moves) && !(e.left_alone && e.right_alone) && !(e.tracked && e.lost) &&
+         (!e.zero_velocity || (e.tracked && e.stands)) && (!e.tracked || seen) &&
+         !(e.right_moves && e.right_stays) && (e.stands || !(e.right_moves || e.right_stays)) &&
          !(e.no_track && (e.late || e.by_candidate || seen)) && (!e.ambiguous || (e.lost && !seen));
 }
 
@@ -147,6 +149,8 @@ TEST(IntegrityTable, FreezesAndRecoversAsNamed) {
       {tracking, {.left_repeats = true, .right_repeats = true, .cannot_stop = true}, both_frozen, reject},
       {tracking, {.left_repeats = true, .cannot_stop = true}, left_frozen, reject},
       {tracking, {.right_repeats = true, .cannot_stop = true}, right_frozen, reject},
+      {standstill, {.right_alone = true}, right_frozen, reject},
+      {lost, {.left_alone = true}, left_frozen, reject},
       // Once frozen, a camera stays so until its images change and show motion.
       {both_frozen, {.right_repeats = true}, both_frozen, reject},
       {both_frozen, {.stands = true}, both_frozen, reject},

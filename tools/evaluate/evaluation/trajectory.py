@@ -117,6 +117,15 @@ def comment_start(line, is_in_front):
     return len(line) if found < 0 else found
 
 
+# What rows of as many numbers mostly are, and what to do; as tools/trajectory/trajectory.cpp.
+HINTS = {
+    1: ": messages as text, as of 'ros2 topic echo'? Save them as TUM's rows, as by 'evo_traj --save_as_tum'",
+    4: ": positions only, or latitude and longitude? Poses in metres with rotations are needed",
+    7: ": Euler angles? Write quaternions, or is the instant missing?",
+    16: ": a 4x4 matrix? Leave out its last row; decimal commas? Write points",
+}
+
+
 def format_of(row, has_commas):
     count, instant = len(row.words), integer(row.words[0])
     if count == EUROC or count == TUM and has_commas and instant is not None and instant >= 10**14:
@@ -124,7 +133,7 @@ def format_of(row, has_commas):
     if count in (TUM, KITTI):
         return count
     return row.fail("expected 8 numbers (TUM: seconds x y z qx qy qz qw), 12 (KITTI: a 3x4 matrix), or 8 or 17 after commas "
-                    f"(EuRoC: ns x y z qw qx qy qz ...), found {count}")
+                    f"(EuRoC: ns x y z qw qx qy qz ...), found {count}{HINTS.get(count, '')}")
 
 
 def rows_of(file, text):

@@ -98,8 +98,8 @@ std::string SelfCheck::stereoFaultMessage() const {
   if (areMatchesMissing() && !anglesCauseMissingMatches()) return matches_.message();
   if (!hidesPart()) return {};
   return "a part of the left picture stands still while the rest moves: if it is the cart or dirt on the "
-         "lens, "
-         "mask it (cartvo calibrate mask), turn the camera or clean it; vehicles around a standing cart pass";
+         "lens, mask it (cartvo calibrate mask), turn the camera or clean it; vehicles around a standing "
+         "cart pass";
 }
 
 std::string SelfCheck::message() const {

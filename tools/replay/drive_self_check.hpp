@@ -5,7 +5,7 @@
 
 namespace cartvo {
 
-/// What the self-check says in the course of a drive: each fault with its last numbers and when it showed.
+/// The self-check in the course of a drive: each fault with its last numbers and when it showed.
 class DriveSelfCheck {
  public:
   /// Adds SelfCheck::message() after a pair, `seconds` after the first one.

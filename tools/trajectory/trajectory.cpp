@@ -155,7 +155,7 @@ bool isEurocRow(const Row& row, bool has_commas) {
          (row.words.size() == kTumNumbers && has_commas && is_integer && value >= kMinNanoseconds);
 }
 
-/// What rows of as many numbers mostly are, and what to do.
+/// The usual meaning of rows with as many numbers, and what to do.
 const char* hintOf(std::size_t numbers) {
   switch (numbers) {
     case 1:

@@ -290,7 +290,7 @@ bool VisualTrack::searchPose(const PreparedPair& pair, Draft& draft, TrackedMoti
   const bool by_chance = found->inliers < settings_.pose_search.minimum_share * countWithDepth(landmarks_);
   motion.evidence.ambiguous = !by_chance && isAmbiguous(pair, *found, motion);
   const bool is_fixed = isFixedToImage(pose_problem_, *found);
-  // What moves past a part of the cart: pairs in between, in which less of it is found, are doubted, too.
+  // A world that moves past a part of the cart: the start of the track is no longer established.
   if (is_fixed && static_cast<double>(pose_problem_.moved.size()) > kMajority * found->inliers)
     log_odds_ = 0.0;
   if (motion.evidence.ambiguous || by_chance || is_fixed) {

@@ -117,7 +117,7 @@ def comment_start(line, is_in_front):
     return len(line) if found < 0 else found
 
 
-# What rows of as many numbers mostly are, and what to do; as tools/trajectory/trajectory.cpp.
+# The usual meaning of rows with as many numbers, and what to do; as tools/trajectory/trajectory.cpp.
 HINTS = {
     1: ": messages as text, as of 'ros2 topic echo'? Save them as TUM's rows, as by 'evo_traj --save_as_tum'",
     4: ": positions only, or latitude and longitude? Poses in metres with rotations are needed",

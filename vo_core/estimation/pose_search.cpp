@@ -144,16 +144,17 @@ void copyWhere(const PoseProblem& problem, const Condition& condition, PoseProbl
   std::erase_if(part.points, std::not_fn(condition));
 }
 
-/// Share of the inliers in an image cell, mean of the cells with points or what has moved.
-double meanCellRatio(const PoseProblem& problem) {
+/// Share of the inliers in an image cell, mean of the cells with points or, if wanted, with what has moved.
+double meanCellRatio(const PoseProblem& problem, bool count_moved) {
   std::array<int, kCells> all{}, inliers{};
   for (const PosePoint& point : problem.points) {
     const int cell = cellOf(problem.camera, point.left);
     ++all[cell];
     inliers[cell] += point.inlier ? 1 : 0;
   }
-  for (const Eigen::Vector2d& pixel : problem.moved)
-    ++all[cellOf(problem.camera, pixel)];
+  if (count_moved)
+    for (const Eigen::Vector2d& pixel : problem.moved)
+      ++all[cellOf(problem.camera, pixel)];
   double sum = 0.0;
   int occupied = 0;
   for (int cell = 0; cell < kCells; ++cell) {
@@ -285,7 +286,11 @@ int countStillInliers(const PoseProblem& searched) {
 }
 
 bool isFixedToImage(const PoseProblem& searched, const FoundPose& found) {
-  return countStillInliers(searched) > kMajority * found.inliers && meanCellRatio(searched) < kMajority;
+  constexpr double kNearlyAll = 0.9;
+  const int still = countStillInliers(searched);
+  // A camera that turns a little moves some landmarks by more than others.
+  const bool none_moves = still > kNearlyAll * found.inliers;
+  return still > kMajority * found.inliers && meanCellRatio(searched, none_moves) < kMajority;
 }
 
 struct PoseFinder::Work {

@@ -182,18 +182,19 @@ TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
 }
 
 /// Keeps the covariances of the twists of the newest pairs, if a readout is unknown.
-void TrackWindow::keepTwistErrors(WindowResult result) {
+void TrackWindow::keepTwistErrors(const WindowResult& result) {
   constexpr int kReadouts = kRightReadout + 1;
   WindowProblem& problem = next_.problem;
   const Eigen::Matrix2d readouts = result.covariance.topLeftCorner<kReadouts, kReadouts>();
   if (readouts.trace() < 4.0 * kLeastStddev * kLeastStddev) return;
-  const Eigen::MatrixXd columns = result.covariance.leftCols<kReadouts>();
-  result.covariance.noalias() -= columns * readouts.inverse() * columns.transpose();
+  const auto columns = result.covariance.leftCols<kReadouts>();
+  WindowResult told;
+  told.covariance = result.covariance - columns * readouts.inverse() * columns.transpose();
   for (int i = static_cast<int>(problem.pairs.size()) - 2; i < static_cast<int>(problem.pairs.size()); ++i) {
     WindowPair& pair = problem.pairs[i];
     Matrix6d to_world = Matrix6d::Identity();
     to_world.topLeftCorner<3, 3>() = problem.trajectory.at(pair.time).rotation;
-    pair.twist_covariance = to_world * twistAt(problem, result, pair.time).covariance * to_world.transpose();
+    pair.twist_covariance = to_world * twistAt(problem, told, pair.time).covariance * to_world.transpose();
   }
 }
 

@@ -100,7 +100,7 @@ class TrackWindow {
   void removeEnded(const TrackWindowInput& input);
   void addLandmarks(const TrackWindowInput& input);
   Adjusted concluded(const WindowResult& result);
-  void keepTwistErrors(WindowResult result);
+  void keepTwistErrors(const WindowResult& result);
   void assumeYaw(double yaw, const WindowResult& result);
   void listAdjusted(const Pairs& pairs);
 

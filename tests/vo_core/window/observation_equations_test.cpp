@@ -138,7 +138,9 @@ Eigen::Vector4d differenceBy(const Sight& sight, const Perturb& perturb) {
 }
 
 TEST(ObservationEquations, DerivativesAreThoseOfDifferences) {
-  const Sight sight;
+  Sight sight;  // at the predicted positions: readouts act at the rows of these
+  sight.observation.left -= sight.residual().head<2>();
+  sight.observation.right -= sight.residual().tail<2>();
   const ObservationEquations equations = sight.equations();
   const auto expect = [&](int state, const auto& perturb) {
     const Eigen::Vector4d numeric = differenceBy(sight, perturb);

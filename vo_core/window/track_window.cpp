@@ -181,15 +181,15 @@ TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
   return result;
 }
 
-/// Keeps the covariances of the twists of the newest pairs, if a readout is unknown.
+/// Keeps the covariances of the twists of the newest pairs, if a readout or the offset is unknown.
 void TrackWindow::keepTwistErrors(const WindowResult& result) {
-  constexpr int kReadouts = kRightReadout + 1;
+  constexpr int kTimes = kOffset + 1;
   WindowProblem& problem = next_.problem;
-  const Eigen::Matrix2d readouts = result.covariance.topLeftCorner<kReadouts, kReadouts>();
-  if (readouts.trace() < 4.0 * kLeastStddev * kLeastStddev) return;
-  const auto columns = result.covariance.leftCols<kReadouts>();
+  const Eigen::Matrix3d times = result.covariance.topLeftCorner<kTimes, kTimes>();
+  if (times.trace() < 6.0 * kLeastStddev * kLeastStddev) return;
+  const auto columns = result.covariance.leftCols<kTimes>();
   WindowResult told;
-  told.covariance = result.covariance - columns * readouts.inverse() * columns.transpose();
+  told.covariance = result.covariance - columns * times.inverse() * columns.transpose();
   for (int i = static_cast<int>(problem.pairs.size()) - 2; i < static_cast<int>(problem.pairs.size()); ++i) {
     WindowPair& pair = problem.pairs[i];
     Matrix6d to_world = Matrix6d::Identity();

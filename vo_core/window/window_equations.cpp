@@ -178,10 +178,12 @@ void WindowEquations::addPretended(std::size_t band, const Matrix6d& covariance)
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j)
         trace += covariance(i, j) * sums(state(i), state(j));
-    return shareOf(band) * shareOf(band) * trace;
+    return trace;
   };
-  pretended_[kLeftReadout] += information(kRowLeftPosition, kRowLeftTurn);
-  pretended_[kRightReadout] += information(kRowRightPosition, kRowRightTurn);
+  const double square = shareOf(band) * shareOf(band);
+  const double by_right = information(kRowRightPosition, kRowRightTurn);
+  pretended_ +=
+      Eigen::Vector3d(square * information(kRowLeftPosition, kRowLeftTurn), square * by_right, by_right);
 }
 
 void WindowEquations::addJerk(const WindowProblem& problem, int end) {
@@ -209,9 +211,9 @@ void WindowEquations::addJerk(const WindowProblem& problem, int end) {
   }
 }
 
-void WindowEquations::discountReadouts(const WindowPrior& prior) {
+void WindowEquations::discountTimes(const WindowPrior& prior) {
   constexpr double kNegligible = 0.01;  // share of what is known
-  for (const int state : {kLeftReadout, kRightReadout}) {
+  for (const int state : {kLeftReadout, kRightReadout, kOffset}) {
     const double pretended = pretended_[state], own = information_(state, state);
     if (!(pretended > 0.0 && own > 0.0) || own < kNegligible * kNegligible * prior.information(state, state))
       continue;

@@ -51,11 +51,11 @@ class WindowEquations {
   void addJerk(const WindowProblem& problem, int end);
   void addPrior(const WindowProblem& problem);
 
-  /// Takes off what the equations of setLandmarks() and addJerk() pretend to know of the readouts beside
-  /// `prior`. The derivatives by a readout are those by time: errors of the twists, squared, appear as
-  /// information (W. Fuller, "Measurement Error Models", 1987, section 1.1). As much is lost to a readout of
+  /// Takes off what the equations of setLandmarks() and addJerk() pretend to know of readouts and offset
+  /// beside `prior`. The derivatives by these are those by time: errors of the twists, squared, appear as
+  /// information (W. Fuller, "Measurement Error Models", 1987, section 1.1). As much is lost to a state of
   /// these equations' own; at rest that is all.
-  void discountReadouts(const WindowPrior& prior);
+  void discountTimes(const WindowPrior& prior);
 
   /// How the landmark with this index fitted in setLandmarks().
   const LandmarkFit& fit(std::size_t landmark) const { return eliminated_[landmark].fit; }
@@ -92,7 +92,8 @@ class WindowEquations {
 
   Eigen::MatrixXd information_;
   Eigen::VectorXd gradient_;
-  Eigen::Vector2d pretended_ = Eigen::Vector2d::Zero();  ///< 1/s^2, information of the readouts by errors
+  /// 1/s^2, information of the readouts and the offset by errors.
+  Eigen::Vector3d pretended_ = Eigen::Vector3d::Zero();
   // Reused for their memory.
   std::vector<Band> bands_;
   std::vector<Eliminated> eliminated_;

@@ -84,7 +84,7 @@ bool WindowSolver::step(WindowProblem& problem, std::span<const double> scales, 
     equations_.setLandmarks(problem, problem.landmarks, iteration > 0 && scales[iteration] <= 1.0,
                             scales[iteration], iteration + 1 == scales.size() ? noise_sums : nullptr);
     equations_.addJerk(problem, problem.trajectory.size());
-    equations_.discountReadouts(problem.prior);
+    equations_.discountTimes(problem.prior);
     equations_.addPrior(problem);
     factor_.compute(equations_.information());
     if (factor_.info() != Eigen::Success) return false;
@@ -123,7 +123,7 @@ void WindowSolver::marginalise(WindowProblem& problem, const std::vector<WindowL
   equations_.setLandmarks(problem, ended, true, 1.0);
   equations_.addJerk(problem, knots);
   WindowPrior& prior = problem.prior;
-  equations_.discountReadouts(prior);
+  equations_.discountTimes(prior);
   prior.vector +=
       equations_.gradient() + equations_.information() * prior.changeTo(problem.shared, problem.trajectory);
   prior.information += equations_.information();

@@ -104,17 +104,17 @@ std::optional<double> PicturePatches::stillShare(const cv::Mat& image) const {
 
 void PictureStillness::update(const StereoImages& images, const StereoMasks& masks) {
   const auto left = left_.stillShare(images.left), right = right_.stillShare(images.right);
-  const auto isStill = [](std::optional<double> share) {
+  const auto is_still = [](std::optional<double> share) {
     return share && *share >= stereo_look::kAgreeingShare;
   };
-  const auto hasMoved = [](std::optional<double> share) { return !share || *share <= kMajority; };
-  if ((alone_ == Alone::left && !isStill(left)) || (alone_ == Alone::right && !isStill(right)))
+  const auto has_moved = [](std::optional<double> share) { return !share || *share <= kMajority; };
+  if ((alone_ == Alone::left && !is_still(left)) || (alone_ == Alone::right && !is_still(right)))
     alone_ = Alone::none;
-  const bool moved = hasMoved(left) || hasMoved(right);
+  const bool moved = has_moved(left) || has_moved(right);
   if (!moved && ++pairs_ < kPairs) return;
   Alone seen = Alone::none;
-  if (isStill(left) && right && hasMoved(right)) seen = Alone::left;
-  if (isStill(right) && left && hasMoved(left)) seen = Alone::right;
+  if (is_still(left) && right && has_moved(right)) seen = Alone::left;
+  if (is_still(right) && left && has_moved(left)) seen = Alone::right;
   // Cameras that are exposed one after the other see a sudden stop one after the other, but once.
   if (seen != Alone::none && seen == seen_) alone_ = seen;
   if (!moved) alone_ = Alone::none;  // the cart stands

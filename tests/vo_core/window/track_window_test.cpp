@@ -22,8 +22,9 @@ struct Drive {
   double readout = 0.03;  // s, of both cameras
   double offset = 0.0;    // s, right exposure minus left exposure
   double told = 0.03, told_stddev = kKnown;
-  double shake = 0.0;  // rad, amplitude at 8 Hz
-  double speed = 3.5;  // m/s
+  double offset_stddev = 1e-6;  // s
+  double shake = 0.0;           // rad, amplitude at 8 Hz
+  double speed = 3.5;           // m/s
   double lively = 1.0;
   int pairs = 45;
   int landmarks = 600;
@@ -53,6 +54,7 @@ struct Errors {
   double motion_nees = 0.0, twist_nees = 0.0, acceleration_nees = 0.0;
   double acceleration = 0.0;                   // (m/s^2)^2
   double readout = 0.0, readout_stddev = 0.0;  // s, at the end
+  double offset_stddev = 0.0;                  // s, at the end
   double depth = 0.0;                          // 1/m, mean of the newest pair's landmarks
   std::size_t depths = 0;                      // of so many
   int pairs = 0, failed = 0;
@@ -163,6 +165,7 @@ SharedPrior priorOf(const Drive& drive) {
   SharedPrior prior;
   prior.mean[kLeftReadout] = prior.mean[kRightReadout] = drive.told;
   prior.stddev.setConstant(1e-6);
+  prior.stddev[kOffset] = drive.offset_stddev;
   prior.stddev[kLeftReadout] = prior.stddev[kRightReadout] = drive.told_stddev;
   prior.drift[kLeftReadout] = prior.drift[kRightReadout] = 1e-5;
   return prior;
@@ -250,6 +253,7 @@ Errors drivenWith(const Drive& drive) {
         6.0;
     errors.readout = adjusted->shared[kLeftReadout] - drive.readout;
     errors.readout_stddev = adjusted->shared_stddev[kLeftReadout];
+    errors.offset_stddev = adjusted->shared_stddev[kOffset];
   }
   return errors;
 }
@@ -303,13 +307,18 @@ TEST(TrackWindow, FindsAnUnknownGlobalShutter) {
   EXPECT_LT(motionOf(errors), 0.26e-3);
 }
 
-// Errors of the velocities are not information on the readout.
-TEST(TrackWindow, LearnsNoReadoutAtRest) {
-  const Errors errors =
-      drivenWith({.readout = 0.0, .told = 0.032, .told_stddev = 0.0128, .speed = 0.0, .lively = 0.0});
+// Errors of the velocities are not information on the readouts and the offset.
+TEST(TrackWindow, LearnsNoReadoutAndNoOffsetAtRest) {
+  const Errors errors = drivenWith({.readout = 0.0,
+                                    .told = 0.032,
+                                    .told_stddev = 0.0128,
+                                    .offset_stddev = 0.01,
+                                    .speed = 0.0,
+                                    .lively = 0.0});
   EXPECT_EQ(errors.failed, 0);
   EXPECT_GT(errors.readout_stddev, 0.01);
   EXPECT_NEAR(errors.readout, 0.032, 0.0064);
+  EXPECT_GT(errors.offset_stddev, 0.008);
 }
 
 TEST(TrackWindow, StatesTheErrorOfAReadoutOnCalmDrives) {

@@ -181,7 +181,8 @@ TrackWindow::Pair TrackWindow::pairOf(const WindowPair& pair) const {
   return result;
 }
 
-/// Keeps the covariances of the twists of the newest pairs, if a readout or the offset is unknown.
+/// Keeps the covariances that the twists of the two newest pairs would have with readouts and offset told, if
+/// one of these is unknown.
 void TrackWindow::keepTwistErrors(const WindowResult& result) {
   constexpr int kTimes = kOffset + 1;
   WindowProblem& problem = next_.problem;

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace cartvo::vo {
 namespace {
@@ -23,12 +24,15 @@ double shareOf(std::size_t band) {
   return (static_cast<double>(band % kBands) + 0.5) / kBands - 0.5;
 }
 
-/// Information of a shared state with all others unknown.
-double marginalInformation(Eigen::MatrixXd information, int state) {
+Eigen::LDLT<Eigen::MatrixXd> factorOf(Eigen::MatrixXd information) {
   constexpr double kLeast = 1e-6;  // 1/m^2 and 1/rad^2, of knots that nothing is known of
-  const Eigen::Index size = information.rows();
-  information.diagonal().tail(size - kSharedStates).array() += kLeast;
-  return 1.0 / information.ldlt().solve(Eigen::VectorXd::Unit(size, state))[state];
+  information.diagonal().tail(information.rows() - kSharedStates).array() += kLeast;
+  return information.ldlt();
+}
+
+/// Information of a shared state with all others unknown.
+double marginalInformation(const Eigen::LDLT<Eigen::MatrixXd>& factor, int state) {
+  return 1.0 / factor.solve(Eigen::VectorXd::Unit(factor.rows(), state))[state];
 }
 
 /// Index of the band of rows of a pair.
@@ -213,13 +217,15 @@ void WindowEquations::addJerk(const WindowProblem& problem, int end) {
 
 void WindowEquations::discountTimes(const WindowPrior& prior) {
   constexpr double kNegligible = 0.01;  // share of what is known
+  std::optional<Eigen::LDLT<Eigen::MatrixXd>> factor_of_prior;
   for (const int state : {kLeftReadout, kRightReadout, kOffset}) {
     const double pretended = pretended_[state], own = information_(state, state);
     if (!(pretended > 0.0 && own > 0.0) || own < kNegligible * kNegligible * prior.information(state, state))
       continue;
-    const double known = marginalInformation(prior.information, state);
+    if (!factor_of_prior) factor_of_prior = factorOf(prior.information);
+    const double known = marginalInformation(*factor_of_prior, state);
     if (pretended < kNegligible * known) continue;
-    const double gain = marginalInformation(prior.information + information_, state) - known;
+    const double gain = marginalInformation(factorOf(prior.information + information_), state) - known;
     const double left = gain - pretended;
     const double factor = 1.0 / (left > 0.0 ? own + gain * left / pretended : own);
     const Eigen::VectorXd column = information_.col(state);

@@ -25,7 +25,7 @@ struct SelfCalibrationSettings {
   double readout_model_stddev = 8e-4;  ///< s, error of a readout by those of depths and poses
 
   // Correction.
-  double maximum_rotation = 1e-2;  ///< more requires a new calibration
+  double maximum_rotation = 3.5e-2;  ///< 2 degrees: more requires a new calibration
 };
 
 }  // namespace cartvo::vo

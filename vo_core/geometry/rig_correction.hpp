@@ -34,14 +34,17 @@ inline double shrunk(double value, double variance) {
   return value * value <= variance ? 0.0 : value - variance / value;
 }
 
-/// Corrected right pixel: where a right camera as calibrated would observe the point; to first order.
+/// Corrected right pixel: where a right camera as calibrated would observe the point.
+/// RigCorrection::rotation() to the second order, which is exact to 0.01 px for 2 degrees.
 inline Eigen::Vector2d correctedRight(const StereoCamera& camera, const RigCorrection& correction,
                                       const Eigen::Vector2d& pixel) {
-  const double x = (pixel.x() - camera.cx) / camera.focal_length;
-  const double y = (pixel.y() - camera.cy) / camera.focal_length;
-  const auto& [yaw, pitch, roll] = correction;
-  return pixel + camera.focal_length * Eigen::Vector2d(yaw * (1.0 + x * x) - pitch * x * y - roll * y,
-                                                       yaw * x * y - pitch * (1.0 + y * y) + roll * x);
+  const Eigen::Vector3d turn(correction.pitch, correction.yaw, correction.roll);
+  const Eigen::Vector3d bearing((pixel.x() - camera.cx) / camera.focal_length,
+                                (pixel.y() - camera.cy) / camera.focal_length, 1.0);
+  const Eigen::Vector3d turned = turn.cross(bearing);
+  const Eigen::Vector3d ray = bearing + turned + 0.5 * turn.cross(turned);
+  const double scale = camera.focal_length / ray.z();
+  return {camera.cx + scale * ray.x(), camera.cy + scale * ray.y()};
 }
 
 }  // namespace cartvo::vo

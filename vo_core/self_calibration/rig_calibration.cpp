@@ -26,8 +26,17 @@ void RigCalibration::set(const RigStates& states) {
 
 void RigCalibration::reinitialisePitch(const EstimateWithStddev& pitch) {
   states_.pitch = pitch;
-  for (EstimateWithStddev* const bumped : {&states_.yaw, &states_.roll})
-    bumped->stddev = std::hypot(bumped->stddev, settings_.calibration_stddev);
+  states_.roll.stddev = std::hypot(states_.roll.stddev, settings_.calibration_stddev);
+  openYaw();
+}
+
+void RigCalibration::openYaw() {
+  states_.yaw.stddev = std::hypot(states_.yaw.stddev, settings_.calibration_stddev);
+  yaw_is_open_ = true;
+}
+
+double RigCalibration::priorYawStddev() const {
+  return yaw_is_open_ ? states_.yaw.stddev : std::min(states_.yaw.stddev, settings_.yaw_pattern_stddev);
 }
 
 RigCorrection RigCalibration::limited(RigCorrection correction) const {

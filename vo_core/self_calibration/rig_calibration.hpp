@@ -20,9 +20,14 @@ class RigCalibration {
   void set(const RigStates& states);
   /// Sets the pitch (rad) that was found after a bump. Roll and yaw get the variance of a bump.
   void reinitialisePitch(const EstimateWithStddev& pitch);
+  /// The yaw may be wrong by as much as after a bump.
+  void openYaw();
 
   /// Estimates with their deviations, without what the lenses leave.
   const RigStates& states() const { return states_; }
+  /// Stddev (rad) of the yaw before a window. A short way shows little of a yaw, which changes depths: it
+  /// begins as in a good calibration.
+  double priorYawStddev() const;
   /// Rotation of the right camera for the search for matches: the estimate, limited.
   RigCorrection expected() const;
   /// Rotation to correct: significant errors, limited.
@@ -34,6 +39,7 @@ class RigCalibration {
 
   SelfCalibrationSettings settings_;
   RigStates states_;
+  bool yaw_is_open_ = false;  ///< by a bump, or as images have contradicted the calibration
 };
 
 }  // namespace cartvo::vo

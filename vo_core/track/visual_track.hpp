@@ -179,6 +179,7 @@ class VisualTrack {
   void adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& motion);
   void useAdjusted(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
   bool restartAfterBump(Draft& draft);
+  bool restartWithOpenYaw(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior, Draft& draft);
   void updateErrors(const TrackWindow::Adjusted& adjusted, Estimates& estimates) const;
   void updateLandmarks(Draft& draft);
   bool lacksStereo(TrackedMotion& motion);

@@ -24,6 +24,21 @@ EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, 
   return {mean + information * (found.value - mean) / by_images, 1.0 / std::sqrt(by_images)};
 }
 
+/// Whether the odds are for a stddev `wide` of a state about `mean` rather than `narrow`, by what the images
+/// alone say. `found`: with a prior of the stddev `told`; with one that is narrower, as of a state that has
+/// been measured, rounding hides what one pair says.
+bool contradicts(const EstimateWithStddev& found, double mean, double told, double narrow, double wide) {
+  const double information = 1.0 / (found.stddev * found.stddev);
+  const double by_images = information - 1.0 / (told * told);
+  if (2.0 * told < narrow || !(by_images * wide * wide > 1.0)) return false;
+  const double change = information * (found.value - mean) / by_images;
+  const auto log_likelihood = [&](double stddev) {
+    const double variance = 1.0 / by_images + stddev * stddev;
+    return -0.5 * (change * change / variance + std::log(variance));
+  };
+  return log_likelihood(wide) - log_likelihood(narrow) > track_start::kEstablished;
+}
+
 /// The covariance, inflated along each axis as far as earlier estimates were wrong. A vibration near half the
 /// frame rate is not the white jerk of the trajectory: errors beyond their deviations then follow each other.
 Matrix6d inflated(const Matrix6d& covariance, const AxisErrors& errors, double memory) {
@@ -59,9 +74,8 @@ SharedPrior VisualTrack::sharedPrior(const PreparedPair& pair, const Estimates& 
   prior.drift[kOffset] = pair.offset_stddev > 0.0 ? settings.delay_drift : 0.0;
   if (!estimatesRig()) return prior;
   prior.mean.segment<3>(kPitch) << rig.pitch.value, rig.yaw.value, rig.roll.value;
-  // Yaw and p2 change depths, and a short way shows little of them: they begin as in a good calibration.
   const double pattern = settings.yaw_pattern_stddev;
-  prior.stddev.tail<kRigStates>() << rig.pitch.stddev, std::min(rig.yaw.stddev, pattern), rig.roll.stddev,
+  prior.stddev.tail<kRigStates>() << rig.pitch.stddev, estimates.rig.priorYawStddev(), rig.roll.stddev,
       pattern, settings.skew_stddev;
   prior.drift.segment<kRigStates>(kPitch).setConstant(settings.rotation_drift);
   prior.yaw_pattern = pattern;
@@ -94,7 +108,7 @@ void VisualTrack::adjust(const PreparedPair& pair, Draft& draft, TrackedMotion& 
   draft.estimates = estimates_;
   SharedPrior prior = sharedPrior(pair, estimates_);
   auto adjusted = track_window_.adjust(windowInput(pair, prior, draft));
-  if (adjusted && restartAfterBump(draft)) {
+  if (adjusted && (restartAfterBump(draft) || restartWithOpenYaw(*adjusted, prior, draft))) {
     prior = sharedPrior(pair, draft.estimates);
     adjusted = track_window_.adjust(windowInput(pair, prior, draft));
   }
@@ -148,6 +162,17 @@ bool VisualTrack::restartAfterBump(Draft& draft) {
   for (Landmark& landmark : draft.landmarks)
     for (Observation& observation : landmark.observations)
       if (observation.frame != draft.window.back().index) observation.stereo = false;
+  track_window_.forget();
+  return true;
+}
+
+/// Whether the images contradict the yaw that the window began with. The window then begins anew.
+bool VisualTrack::restartWithOpenYaw(const TrackWindow::Adjusted& adjusted, const SharedPrior& prior,
+                                     Draft& draft) {
+  if (!estimatesRig() || !contradicts(adjusted.estimate(kYaw), prior.mean[kYaw], prior.stddev[kYaw],
+                                      prior.yaw_pattern, settings_.self_calibration.calibration_stddev))
+    return false;
+  draft.estimates.rig.openYaw();
   track_window_.forget();
   return true;
 }

@@ -3,14 +3,14 @@
 
 #include "common/simd/target_clones.hpp"
 #include "vo_core/geometry/reprojection.hpp"
+#include "vo_core/geometry/rig_correction.hpp"
 
 namespace cartvo::vo {
 namespace {
 
 using Vector23 = Eigen::Matrix<double, 2, 3>;
 
-/// Derivative of the corrected right pixel (px) by the states from kPitch on: correctedRight() is linear in
-/// them. `pixel`: px, as seen.
+/// Derivative of the corrected right pixel (px) by the states from kPitch on. `pixel`: correctedRight().
 Eigen::Matrix<double, 2, kRigStates> correctionByRig(const StereoCamera& camera,
                                                      const Eigen::Vector2d& pixel) {
   const double x = (pixel.x() - camera.cx) / camera.focal_length;
@@ -100,14 +100,18 @@ bool setEquations(const WindowProblem& problem, const WindowBand& band, const Wi
 
   const double right_after = problem.rightTime(observation.pair, observation.right_share) - band.right_time;
   if (!see(problem.camera, band.right, right_after, problem.camera.baseline, landmark, seen)) return false;
-  const Eigen::Matrix<double, 2, kRigStates> by_rig = correctionByRig(problem.camera, observation.right);
+  const SharedVector& shared = problem.shared;
+  const Eigen::Vector2d corrected =
+      correctedRight(problem.camera, {.yaw = shared[kYaw], .pitch = shared[kPitch], .roll = shared[kRoll]},
+                     observation.right);
+  const Eigen::Matrix<double, 2, kRigStates> by_rig = correctionByRig(problem.camera, corrected);
   equations.precision.tail<2>() = precision_of(noise.right);
   equations.by_state.block<2, 3>(2, kRowRightPosition) = seen.by_position;
   equations.by_state.block<2, 3>(2, kRowRightTurn) = seen.by_turn;
   equations.by_state.block<2, 1>(2, kRowOffset) = seen.by_time;
   equations.by_state.block<2, kRigStates>(2, kRowRig) = -by_rig;
   equations.by_state.block<2, 1>(2, kRowResidual) =
-      observation.right + by_rig.lazyProduct(problem.shared.tail<kRigStates>()) - seen.pixel;
+      corrected + by_rig.rightCols<kLensStates>().lazyProduct(shared.tail<kLensStates>()) - seen.pixel;
   equations.by_state.block<2, 1>(2, kRowRightReadout) =
       predicted_share(observation.right_share, equations.by_state(3, kRowResidual)) * seen.by_time;
   equations.by_place.bottomRows<2>() = seen.by_place;

@@ -34,6 +34,8 @@ enum SharedState : int {
 using SharedVector = Eigen::Matrix<double, kSharedStates, 1>;
 /// Number of states of the right camera's geometry: those from kPitch on.
 constexpr int kRigStates = kSharedStates - kPitch;
+/// Number of those of its lens, the last ones.
+constexpr int kLensStates = kSharedStates - kP2;
 
 /// Index of a knot's first unknown; each knot has six, after the shared states.
 constexpr Eigen::Index columnOf(int knot) {

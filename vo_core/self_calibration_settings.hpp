@@ -22,7 +22,6 @@ struct SelfCalibrationSettings {
   // Errors of the model, which do not average out.
   double yaw_pattern_stddev = 2e-4;    ///< of the lenses, that resembles a yaw; stddev of p2
   double uncorrected_yaw_share = 4.0;  ///< error of a yaw beyond the limit per rad: depths are then wrong
-  double readout_model_stddev = 8e-4;  ///< s, error of a readout by those of depths and poses
 
   // Correction.
   double maximum_rotation = 3.5e-2;  ///< 2 degrees: more requires a new calibration

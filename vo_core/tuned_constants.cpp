@@ -77,7 +77,6 @@ constexpr TunedConstant kConstants[] = {
     CONSTANT(self_calibration.yaw_pattern_stddev, "rad", 0, 1,
              "assumption: what lenses leave that resembles a yaw"),
     CONSTANT(self_calibration.uncorrected_yaw_share, "", 0, 100, "assumption"),
-    CONSTANT(self_calibration.readout_model_stddev, "s", 0, 1, "assumption: by errors of depths and poses"),
 };
 
 constexpr TunedConstant kLimits[] = {

@@ -9,19 +9,17 @@
 #include <functional>
 
 #include "vo_core/estimation/pose_residuals.hpp"
+#include "vo_core/fixed_constants.hpp"
 #include "vo_core/geometry/image_cells.hpp"
 #include "vo_core/odometry_settings.hpp"
 
 namespace cartvo::vo {
 namespace {
 
-constexpr int kSubsetSize = 4;           // points; three suffice, the fourth stabilises the steps
-constexpr int kSubsetSteps = 4;          // Gauss-Newton steps on a subset
-constexpr int kRefinementSteps = 4;      // Gauss-Newton steps on all inliers
-constexpr double kConvergedStep = 1e-5;  // m and rad
-// Share of a residual's variance that all points have in common, so that it does not average out: a codec
-// moves whole parts of an image. At rest 0.02 was measured with MPEG-4 and JPEG, more in single pairs.
-constexpr double kSharedVariance = 0.05;
+constexpr int kSubsetSize = 4;              // points; three suffice, the fourth stabilises the steps
+constexpr int kSubsetSteps = 4;             // Gauss-Newton steps on a subset
+constexpr int kRefinementSteps = 4;         // Gauss-Newton steps on all inliers
+constexpr double kConvergedStep = 1e-5;     // m and rad
 constexpr double kBehindCameraError = 1e3;  // normalised error of a point behind the camera
 static_assert(kSubsetSize <= kDoubleLanes);
 
@@ -331,7 +329,7 @@ Matrix6d PoseFinder::covarianceOf(const PoseProblem& searched, const FoundPose& 
     equations.add(part, block, at, weight);
   }
   const double weight = weightWhere(part, isInlier);
-  const double shared = 1.0 + kSharedVariance * weight;
+  const double shared = 1.0 + landmark_errors::kSharedVariance * weight;
   return shared * (sumOf(squares) / weight) * equations.hessian().inverse();
 }
 

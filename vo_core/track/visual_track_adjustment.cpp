@@ -193,10 +193,13 @@ void VisualTrack::useAdjusted(const TrackWindow::Adjusted& adjusted, const Share
   estimates.prediction_errors.update(draft.predictions, draft.window.back().motion);
   updateErrors(adjusted, estimates);
   const SelfCalibrationSettings& settings = settings_.self_calibration;
+  // A pair's landmarks have a part of their errors in common, which does not average out.
+  constexpr double kCoordinates = 4.0;  // of a landmark
+  const double shared = std::sqrt(1.0 + landmark_errors::kSharedVariance * kCoordinates *
+                                            static_cast<double>(track_window_.landmarks().size()));
   const auto readout_of = [&](SharedState state) {
     EstimateWithStddev readout = adjusted.estimate(state);
-    if (prior.stddev[state] > kKnownStddev)
-      readout.stddev = std::hypot(readout.stddev, settings.readout_model_stddev);
+    readout.stddev = std::min(shared * readout.stddev, prior.stddev[state]);
     return readout;
   };
   if (timing_.mayRoll()) estimates.readouts = {readout_of(kLeftReadout), readout_of(kRightReadout)};

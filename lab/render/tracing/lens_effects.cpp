@@ -1,10 +1,11 @@
-// Blurs the image within drops that stay where they are on the lens.
-#include "lab/render/tracing/lens_drops.hpp"
+// Drops that stay where they are on the lens, and the light that it scatters from the sun's disc.
+#include "lab/render/tracing/lens_effects.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include <opencv2/core/types.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "lab/render/surface/hash.hpp"
@@ -65,6 +66,35 @@ void addLensDrops(cv::Mat& radiance, std::uint32_t seed) {
   cv::GaussianBlur(radiance, blurred, cv::Size(), kBlur * radiance.cols);
   for (const Drop& drop : dropsOf(radiance.size(), seed))
     addDrop(radiance, blurred, drop);
+}
+
+void addVeilingGlare(cv::Mat& radiance, double focal_length) {
+  constexpr float kMinGlareRadiance = 20.0F;  // only the sun's disc exceeds it
+  double light = 0.0;
+  cv::Point2d centre;
+  for (int y = 0; y < radiance.rows; ++y) {
+    const auto* row = radiance.ptr<float>(y);
+    for (int x = 0; x < radiance.cols; ++x) {
+      if (!(row[x] > kMinGlareRadiance)) continue;
+      light += row[x];
+      centre += static_cast<double>(row[x]) * cv::Point2d(x, y);
+    }
+  }
+  if (light == 0.0) return;
+  centre = centre / light;
+  // Disability glare after Stiles and Holladay: veil = 10 illuminance / angle^2 with the angle in degrees.
+  // The law is for eyes; a slightly dusty lens scatters about as much. Constant below half a degree.
+  constexpr double kDegreesPerRadian = 57.29578;
+  const double degrees = kDegreesPerRadian / focal_length;
+  const double strength = 10.0 * light / (focal_length * focal_length);
+  for (int y = 0; y < radiance.rows; ++y) {
+    auto* row = radiance.ptr<float>(y);
+    for (int x = 0; x < radiance.cols; ++x) {
+      const double dx = degrees * (x - centre.x);
+      const double dy = degrees * (y - centre.y);
+      row[x] += static_cast<float>(strength / (dx * dx + dy * dy + 0.25));
+    }
+  }
 }
 
 }  // namespace cartvo::world

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "calib/model/arc_tangent.hpp"
 #include "calib/model/brown_distortion.hpp"
 #include "calib/model/projection.hpp"
 #include "calib/model/wide_distortion.hpp"

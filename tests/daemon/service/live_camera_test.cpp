@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/service/refused_login.hpp"
 #include "support/camera/isapi_server.hpp"
 #include "support/closed_port.hpp"
 #include "support/error_message.hpp"

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "support/pipeline/valid_result.hpp"
-#include "tools/replay/drive_self_check.hpp"
 #include "tools/replay/light_by_seconds.hpp"
 
 namespace cartvo {

@@ -11,7 +11,6 @@
 
 #include "support/temporary_folder.hpp"
 #include "tools/report/axis.hpp"
-#include "tools/report/series_reduction.hpp"
 
 namespace cartvo {
 namespace {

@@ -13,7 +13,6 @@
 #include "daemon/publish/odometry_reasons.hpp"
 #include "tools/report/axis.hpp"
 #include "tools/report/canvas.hpp"
-#include "tools/report/series_reduction.hpp"
 
 namespace cartvo {
 namespace {

@@ -20,6 +20,7 @@
 
 #include "common/atomic_file_writer.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -28,11 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 struct stat statusOf(const fs::path& file) {
   struct stat status {};
@@ -60,7 +56,7 @@ TEST_F(AtomicFile, ReplacesTheContentsAndLeavesNoTemporaryFile) {
   const fs::path file = *this / "rig.yaml";
   writeFileAtomically(file, "old");
   writeFileAtomically(file, "new contents");
-  EXPECT_EQ(contentsOf(file), "new contents");
+  EXPECT_EQ(test::contentsOf(file), "new contents");
   EXPECT_EQ(entries(), 1);
 }
 
@@ -83,7 +79,7 @@ TEST_F(AtomicFile, LeavesNothingIfASignalEndsTheProgram) {
     ::waitpid(child, &status, 0);
     EXPECT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(entries(), *before == '\0' ? 0 : 1);
-    EXPECT_EQ(contentsOf(file), before);
+    EXPECT_EQ(test::contentsOf(file), before);
   }
 }
 
@@ -92,7 +88,7 @@ TEST_F(AtomicFile, CreatesMissingFoldersOfResultFilesOnly) {
               HasSubstr("k6.json: no file can be made in the folder"));
   EXPECT_FALSE(fs::exists(*this / "new"));
   writeResultFile(*this / "new" / "folder" / "k6.json", "{}");
-  EXPECT_EQ(contentsOf(*this / "new" / "folder" / "k6.json"), "{}");
+  EXPECT_EQ(test::contentsOf(*this / "new" / "folder" / "k6.json"), "{}");
 }
 
 TEST_F(AtomicFile, FollowsLinksAndCreatesTheirMissingTarget) {
@@ -108,8 +104,8 @@ TEST_F(AtomicFile, FollowsLinksAndCreatesTheirMissingTarget) {
   EXPECT_TRUE(fs::is_symlink(*this / "rig.yaml"));
   EXPECT_TRUE(fs::is_symlink(*this / "again.yaml"));
   EXPECT_TRUE(fs::is_symlink(*this / "later.json"));
-  EXPECT_EQ(contentsOf(*this / "repository" / "rig.yaml"), "new");
-  EXPECT_EQ(contentsOf(*this / "not" / "yet.json"), "{}");
+  EXPECT_EQ(test::contentsOf(*this / "repository" / "rig.yaml"), "new");
+  EXPECT_EQ(test::contentsOf(*this / "not" / "yet.json"), "{}");
 }
 
 TEST_F(AtomicFile, RejectsLinksThatLeadNowhere) {
@@ -130,7 +126,7 @@ TEST_F(AtomicFile, KeepsModeAndOwnerOfAnExistingFile) {
     ASSERT_EQ(::chown(file.c_str(), kOther, kOther), 0);
   }
   writeFileAtomically(file, "new");
-  EXPECT_EQ(contentsOf(file), "new");
+  EXPECT_EQ(test::contentsOf(file), "new");
   EXPECT_EQ(statusOf(file).st_mode & 07777U, 0640U);
   if (is_root) {
     EXPECT_EQ(statusOf(file).st_uid, kOther);
@@ -149,13 +145,13 @@ TEST_F(AtomicFile, KeepsTheOtherNamesOfAFile) {
   writeFileAtomically(*this / "rig.yaml", "old and longer");
   fs::create_hard_link(*this / "rig.yaml", *this / "same.yaml");
   writeFileAtomically(*this / "rig.yaml", "new");
-  EXPECT_EQ(contentsOf(*this / "same.yaml"), "new");
+  EXPECT_EQ(test::contentsOf(*this / "same.yaml"), "new");
 }
 
 TEST_F(AtomicFile, WritesToAFifo) {
   ASSERT_EQ(::mkfifo((*this / "pipe").c_str(), 0600), 0);
   std::string received;
-  std::thread reader([&] { received = contentsOf(*this / "pipe"); });
+  std::thread reader([&] { received = test::contentsOf(*this / "pipe"); });
   writeFileAtomically(*this / "pipe", "{}");
   reader.join();
   EXPECT_EQ(received, "{}");
@@ -190,7 +186,7 @@ TEST_F(AtomicFile, WritesToOwnDescriptorsWhereTheyStand) {
   writeFileAtomically(*this / "link", "two ");
   ASSERT_EQ(::write(descriptor, "after", 5), 5);
   ::close(descriptor);
-  EXPECT_EQ(contentsOf(file), "before one two after");
+  EXPECT_EQ(test::contentsOf(file), "before one two after");
   EXPECT_TRUE(fs::is_symlink(*this / "link"));
 }
 
@@ -210,7 +206,7 @@ TEST_F(AtomicFile, CheckFindsWhatCannotBeWrittenAndChangesNothing) {
   writeFileAtomically(*this / "file", "text");
   checkFileCanBeWritten(*this / "file");
   checkFileCanBeWritten(*this / "new" / "folder" / "rig.yaml");
-  EXPECT_EQ(contentsOf(*this / "file"), "text");
+  EXPECT_EQ(test::contentsOf(*this / "file"), "text");
   EXPECT_EQ(entries(), 1);
   EXPECT_THROW(checkFileCanBeWritten(*this / "file" / "rig.yaml"), std::runtime_error);
   EXPECT_THROW(checkFileCanBeWritten(folder_.path()), std::runtime_error);
@@ -231,7 +227,7 @@ TEST(AtomicFileWriter, AppearsWhenItIsComplete) {
   }
   EXPECT_FALSE(fs::exists(folder / "a/b/file"));
   writer.commit();
-  EXPECT_EQ(contentsOf(folder / "a/b/file"), "one two");
+  EXPECT_EQ(test::contentsOf(folder / "a/b/file"), "one two");
   EXPECT_EQ(filesIn(folder / "a/b"), 1);
 }
 
@@ -243,7 +239,7 @@ TEST(AtomicFileWriter, LeavesNothingIfItIsNotComplete) {
     fresh.write("half");
     replacing.write("half");
   }
-  EXPECT_EQ(contentsOf(folder / "old"), "old");
+  EXPECT_EQ(test::contentsOf(folder / "old"), "old");
   EXPECT_EQ(filesIn(folder.path()), 1) << "the folders that were made are gone";
 }
 
@@ -256,7 +252,7 @@ TEST(AtomicFileWriter, ReplacesAFileBehindALinkAndKeepsItsMode) {
   writer.write("new");
   writer.commit();
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
-  EXPECT_EQ(contentsOf(folder / "old"), "new");
+  EXPECT_EQ(test::contentsOf(folder / "old"), "new");
   EXPECT_EQ(fs::status(folder / "old").permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_EQ(filesIn(folder.path()), 2);
 }

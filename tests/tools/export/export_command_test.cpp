@@ -16,6 +16,7 @@
 #include "capture/recording/stream_recorder.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/exported_drive.hpp"
 #include "support/tools/mcap_file.hpp"
@@ -36,11 +37,6 @@ using ::testing::HasSubstr;
 constexpr int kPictures = 24;
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
 
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 class ExportCommand : public ::testing::Test {
  protected:
   test::CommandResult run(const std::string& source, const std::string& format,
@@ -58,7 +54,7 @@ class ExportCommand : public ::testing::Test {
     calib::writeRig(folder_ / "rig.yaml", rig);
     capture::RecordingSettings settings;
     settings.folder = folder_ / "drive";
-    settings.rig = contentsOf(folder_ / "rig.yaml");
+    settings.rig = test::contentsOf(folder_ / "rig.yaml");
     capture::StreamRecorder recorder(settings);
     simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
     recorder.left().onStream({});
@@ -100,7 +96,8 @@ TEST_F(ExportCommand, CopiesThePicturesOfARecording) {
   EXPECT_THAT(run.output, HasSubstr("pairs written to "));
   std::vector<std::string> pictures[2];
   std::uint64_t last = 0;
-  for (const test::McapMessage& message : test::readMcapFile(contentsOf(folder_ / "drive.mcap")).messages) {
+  for (const test::McapMessage& message :
+       test::readMcapFile(test::contentsOf(folder_ / "drive.mcap")).messages) {
     EXPECT_GE(message.log_time, last) << "in the order of time";
     last = message.log_time;
     if (message.topic == "/left/video") pictures[0].push_back(message.data);
@@ -128,7 +125,7 @@ TEST_F(ExportCommand, WritesEachFormatOfARecording) {
   for (const char* format : {"lcm-log", "tum", "kitti", "euroc", "csv"}) {
     const test::CommandResult run = this->run("drive", format, std::string("out/") + format);
     EXPECT_EQ(run.exit_code, 0) << format << ": " << run.output;
-    EXPECT_FALSE(contentsOf(folder_ / "out" / format).empty()) << format;
+    EXPECT_FALSE(test::contentsOf(folder_ / "out" / format).empty()) << format;
   }
 }
 
@@ -136,7 +133,7 @@ TEST_F(ExportCommand, WritesABagWithThePicturesOfARecording) {
   record();
   const test::CommandResult run = this->run("drive", "rosbag2-mcap", "out/bag");
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  const test::McapFile file = test::readMcapFile(contentsOf(folder_ / "out/bag/bag_0.mcap"));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder_ / "out/bag/bag_0.mcap"));
   ASSERT_EQ(file.messages.size(), 2U * kPictures) << "no motion is found";
   std::uint64_t last = 0;
   for (const test::McapMessage& message : file.messages) {
@@ -145,7 +142,7 @@ TEST_F(ExportCommand, WritesABagWithThePicturesOfARecording) {
     last = message.log_time;
   }
   EXPECT_EQ(file.messages[1].topic, "/right/video");
-  EXPECT_THAT(contentsOf(folder_ / "out/bag/metadata.yaml"), HasSubstr("message_count: 48"));
+  EXPECT_THAT(test::contentsOf(folder_ / "out/bag/metadata.yaml"), HasSubstr("message_count: 48"));
 }
 
 TEST_F(ExportCommand, ConvertsTrajectories) {
@@ -159,13 +156,13 @@ TEST_F(ExportCommand, ConvertsTrajectories) {
   }
   ASSERT_EQ(run("drive.tum", "kitti", "poses.txt").exit_code, 0);
   EXPECT_EQ(readTrajectory(folder_ / "poses.txt").size(), poses_.size());
-  EXPECT_THAT(contentsOf(folder_ / "poses.txt"), ::testing::Not(HasSubstr("#")))
+  EXPECT_THAT(test::contentsOf(folder_ / "poses.txt"), ::testing::Not(HasSubstr("#")))
       << "KITTI's devkit reads no comments";
   EXPECT_EQ(run("drive.tum", "mcap", "drive.mcap").exit_code, 0);
 
   fs::create_directory(folder_ / "out");
   fs::copy(folder_ / "drive.tum", folder_ / "out/trajectory.tum");
-  EXPECT_EQ(contentsOf(folder_ / "drive.tum"), contentsOf(folder_ / "tum"));
+  EXPECT_EQ(test::contentsOf(folder_ / "drive.tum"), test::contentsOf(folder_ / "tum"));
   EXPECT_EQ(run("out", "tum", "tum").exit_code, 0) << "an output folder of cartvo replay";
 }
 
@@ -254,22 +251,16 @@ TEST(LcmLog, OfAnImageFolderHasTheExposures) {
   EXPECT_EQ(log.readNextEvent()->timestamp, test::kDriveStart_ns / 1000);
 }
 
-/// Runs a command in a network namespace with loopback only.
-test::CommandResult runIsolated(const std::string& command) {
-  const std::string isolated = (test::sourceFolder() / "tools/in_network_namespace").string();
-  return test::runCommand(isolated + " sh -c '" + command + "' 2>&1");
-}
-
 TEST(LcmLog, IsPlayedByTheLogplayerAndRecordedByTheLogger) {
-  if (runIsolated("true").exit_code != 0) GTEST_SKIP() << "no network namespace of its own here";
+  if (test::runIsolated("true").exit_code != 0) GTEST_SKIP() << "no network namespace of its own here";
   const test::TemporaryFolder folder;
   writeLcmLog(folder / "drive.lcmlog", *test::drivenSource().replay);
   // The logger may start after the first playing, so it is repeated until the logger has recorded something.
-  const test::CommandResult run =
-      runIsolated("cd " + folder.path().string() +
-                  "; lcm-logger --force --quiet --flush-interval=1 live.lcmlog >/dev/null & logger=$!; "
-                  "for i in $(seq 100); do lcm-logplayer drive.lcmlog; test -s live.lcmlog && break; done; "
-                  "kill -INT $logger; wait");
+  const test::CommandResult run = test::runIsolated(
+      "cd " + folder.path().string() +
+      "; lcm-logger --force --quiet --flush-interval=1 live.lcmlog >/dev/null & logger=$!; "
+      "for i in $(seq 100); do lcm-logplayer drive.lcmlog; test -s live.lcmlog && break; done; "
+      "kill -INT $logger; wait");
   lcm::LogFile log((folder / "live.lcmlog").string(), "r");
   ASSERT_TRUE(log.good()) << run.output;
   const lcm::LogEvent* event = log.readNextEvent();

@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "common/host_clock.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "support/daemon/sent_messages.hpp"
 #include "support/file_text.hpp"
 #include "support/pipeline/valid_result.hpp"

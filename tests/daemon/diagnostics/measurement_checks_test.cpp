@@ -1,11 +1,9 @@
 // Checks of what cartvod measures against its configuration: frame rates and readouts.
 
-#include "daemon/diagnostics/frame_rate_check.hpp"
+#include "daemon/diagnostics/measurement_checks.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "daemon/diagnostics/readout_check.hpp"
 
 namespace cartvo::daemon {
 namespace {

@@ -16,7 +16,7 @@
 #include "lab/render/scene/steps.hpp"
 #include "lab/render/scene/traffic.hpp"
 #include "lab/render/surface/hash.hpp"
-#include "lab/render/tracing/lens_effects.hpp"
+#include "lab/render/tracing/photometry.hpp"
 #include "lab/render/tracing/scene.hpp"
 
 namespace cartvo::world {

@@ -1,4 +1,4 @@
-// Synchronisation of files and folders to the disk, and links that others may have planted where files are written.
+// Synchronisation of files and folders to the disk, and links planted where files are to be written.
 
 #include "common/durable_file.hpp"
 

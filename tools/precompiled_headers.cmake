@@ -19,7 +19,7 @@ set(libraries Eigen3::Eigen opencv_core opencv_imgproc opencv_imgcodecs fmt::fmt
 cartvo_precompile(cartvo_headers LIBRARIES ${libraries} HEADERS ${headers})
 if(BUILD_TESTING)
   find_package(GTest REQUIRED)
-  cartvo_precompile(cartvo_test_headers LIBRARIES ${libraries} GTest::gmock OPTIONS $<$<CONFIG:RelWithDebInfo>:-O1>
+  cartvo_precompile(cartvo_test_headers LIBRARIES ${libraries} GTest::gmock OPTIONS ${CARTVO_TEST_OPTIONS}
     HEADERS ${headers} <gtest/gtest.h> <gmock/gmock.h>)
 endif()
 

@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/corner_refinement.hpp"
-#include "calib/board/search_image.hpp"
 
 namespace cartvo::calib {
 namespace {

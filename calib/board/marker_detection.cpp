@@ -14,7 +14,6 @@
 
 #include "calib/board/corner_refinement.hpp"
 #include "calib/board/marker_dictionary.hpp"
-#include "calib/board/search_image.hpp"
 
 namespace cartvo::calib {
 namespace {

@@ -1,14 +1,41 @@
 // Rectification of images through lookup tables.
 #include "calib/rectification/rectifier.hpp"
 
+#include <cstddef>
 #include <stdexcept>
 #include <utility>
 
-#include "calib/rectification/rectified_mask.hpp"
+#include <opencv2/core/mat.hpp>
+
+#include "calib/model/static_mask.hpp"
+#include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/remap.hpp"
 #include "common/image_size.hpp"
 
 namespace cartvo::calib {
+namespace {
+
+// Rectification of masks.
+
+/// The mask as it lies in the rectified image: 0 where one of the four raw pixels that the rectified one is
+/// interpolated from must not be used, 255 elsewhere; empty for an empty mask. `sources`: of images of the
+/// mask's size; empty if the images are already rectified.
+cv::Mat rectifiedMask(const StaticMask& mask, const PixelSources& sources) {
+  if (mask.empty() || sources.column.empty()) return mask.used;
+  const cv::Mat& used = mask.used;
+  cv::Mat rectified(used.size(), CV_8UC1);
+  std::size_t i = 0;
+  for (unsigned char& pixel : cv::Mat_<unsigned char>(rectified)) {
+    const int x = sources.column[i], y = sources.row[i];
+    const bool all_used = *used.ptr(y, x) != 0 && *used.ptr(y, x + 1) != 0 && *used.ptr(y + 1, x) != 0 &&
+                          *used.ptr(y + 1, x + 1) != 0;
+    pixel = all_used ? 255 : 0;
+    ++i;
+  }
+  return rectified;
+}
+
+}  // namespace
 
 Rectifier::Rectifier(const Rig& rig, const RectificationSettings& settings, RectificationTables tables)
     : rig_name_(rig.name), rectification_(computeRectification(rig, settings)), tables_(std::move(tables)) {

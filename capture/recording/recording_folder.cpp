@@ -18,7 +18,6 @@
 #include "common/durable_file.hpp"
 #include "common/files/foreign_format.hpp"
 #include "common/input_file.hpp"
-#include "common/planted_link.hpp"
 #include "common/printable_text.hpp"
 
 namespace cartvo::capture {

@@ -13,7 +13,6 @@
 
 #include "capture/recording/stream_writer.hpp"
 #include "common/durable_file.hpp"
-#include "common/planted_link.hpp"
 
 namespace cartvo::capture {
 namespace {

@@ -13,7 +13,6 @@
 #include "capture/codec/picture_checksum.hpp"
 #include "capture/recording/recording_index.hpp"
 #include "common/durable_file.hpp"
-#include "common/planted_link.hpp"
 
 namespace cartvo::capture {
 namespace {

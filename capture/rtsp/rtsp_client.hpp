@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,13 +12,24 @@
 
 #include "capture/rtsp/digest_authentication.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
-#include "capture/rtsp/rtsp_error.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_socket.hpp"
 
 // Requests of an RTSP client (RFC 2326). Internal to RtspSession.
 
 namespace cartvo::capture {
+
+/// Error while opening a connection. The text names the camera, who answered what, and what to do; it never
+/// contains the password.
+class RtspError : public std::runtime_error {
+ public:
+  enum class Kind : std::uint8_t { unreachable, refused, interrupted };
+  RtspError(Kind kind, const std::string& what) : std::runtime_error(what), kind_(kind) {}
+  Kind kind() const { return kind_; }
+
+ private:
+  Kind kind_;
+};
 
 /// Sends requests to one camera and receives their responses, with authentication and redirections.
 /// Credentials go to the configured host and port only, whatever the server asks for.

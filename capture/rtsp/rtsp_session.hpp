@@ -9,7 +9,7 @@
 #include "capture/encoded_unit.hpp"
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
-#include "capture/rtsp/rtsp_error.hpp"
+#include "capture/rtsp/rtsp_client.hpp"
 #include "capture/stream_remarks.hpp"
 
 // One RTSP connection. Internal to RtspCamera.

@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/publish/camera_health_names.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
+#include "daemon/publish/message_names.hpp"
 
 namespace cartvo::daemon {
 namespace {

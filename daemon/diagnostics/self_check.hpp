@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/diagnostics/readout_check.hpp"
+#include "daemon/diagnostics/measurement_checks.hpp"
 #include "daemon/diagnostics/stereo_match_monitor.hpp"
 #include "pipeline/pair_processor.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/publish/camera_health_names.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "vo_core/odometry_reason.hpp"
 
 namespace cartvo::daemon {

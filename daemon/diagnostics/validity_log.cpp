@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "daemon/diagnostics/journal.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
+#include "daemon/publish/message_names.hpp"
 
 namespace cartvo::daemon {
 namespace {

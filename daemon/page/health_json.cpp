@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/publish/camera_health_names.hpp"
+#include "daemon/publish/message_names.hpp"
 
 namespace cartvo::daemon {
 namespace {

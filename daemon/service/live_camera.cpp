@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "capture/isapi/isapi_client.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/camera_password.hpp"
-#include "daemon/service/refused_login.hpp"
 
 namespace cartvo::daemon {
 namespace {
@@ -92,6 +93,22 @@ void LiveCamera::connect(const capture::RtspCameraSettings& settings, capture::C
 bool LiveCamera::observe(capture::StreamObserver& observer) {
   if (rtsp_ != nullptr) rtsp_->setObserver(observer);
   return rtsp_ != nullptr;
+}
+
+capture::RefusedLogin askAboutRefusedLogin(const capture::HttpAddress& address,
+                                           std::chrono::milliseconds timeout,
+                                           const std::atomic<bool>& interrupted) {
+  try {
+    capture::IsapiSettings settings;
+    settings.address = address;
+    settings.timeout = timeout;
+    capture::IsapiClient client(settings);
+    client.setInterruption(interrupted);
+    const capture::LoginState state = client.loginState();
+    return {state.unlock_after, capture::loginStateText(state)};
+  } catch (const std::exception&) {
+    return {};  // other makers' cameras, and those that serve only HTTPS
+  }
 }
 
 }  // namespace cartvo::daemon

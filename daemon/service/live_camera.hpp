@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "capture/camera_side.hpp"
+#include "capture/isapi/http_connection.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_camera.hpp"
 #include "daemon/service/configuration.hpp"
@@ -47,5 +49,12 @@ class LiveCamera {
   capture::RtspCamera* rtsp_ = nullptr;  ///< `source_` if it is an RTSP camera
   double reader_timeout_ = 0.0;
 };
+
+/// Asks a Hikvision camera over ISAPI, without a password, why it refused a login: whether and for how long
+/// it has locked it, and how many attempts are left. Empty if the camera does not answer or does not say.
+/// Does not throw. `timeout`: of the one request.
+capture::RefusedLogin askAboutRefusedLogin(const capture::HttpAddress& address,
+                                           std::chrono::milliseconds timeout,
+                                           const std::atomic<bool>& interrupted);
 
 }  // namespace cartvo::daemon

@@ -1,8 +1,10 @@
 // Combines path, campus, drive, traffic, cameras and light into simulated images with ground truth.
 #include "lab/render/rendered_world.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
@@ -14,9 +16,8 @@
 #include "lab/render/scene/steps.hpp"
 #include "lab/render/scene/traffic.hpp"
 #include "lab/render/surface/hash.hpp"
-#include "lab/render/tracing/lens_drops.hpp"
+#include "lab/render/tracing/photometry.hpp"
 #include "lab/render/tracing/scene.hpp"
-#include "lab/render/tracing/veiling_glare.hpp"
 
 namespace cartvo::world {
 namespace {
@@ -303,6 +304,25 @@ std::string RenderedWorld::cacheKey() const {
   if (startOf(s) != 0.0) key << "-start" << startOf(s) << 's';
   if (s.shake.amplitude != 0.0) key << "-shake" << s.shake.frequency << "Hz" << s.shake.amplitude << "rad";
   return key.str();
+}
+
+MountShake::MountShake(const WorldSettings& settings, const Eigen::Vector3d& mount)
+    : shake_(settings.shake), start_(settings.lead_in_seconds), mount_(mount) {}
+
+Eigen::Isometry3d MountShake::T_body_shaken(double seconds) const {
+  constexpr double kFadeIn = 1.0;     // s
+  constexpr double kRollShare = 0.6;  // of the amplitude of pitch
+  constexpr double kRollPhase = 1.3;  // rad, ahead of pitch
+  Eigen::Isometry3d shaken = Eigen::Isometry3d::Identity();
+  if (shake_.amplitude == 0.0 || seconds <= start_) return shaken;
+  const double t = std::min((seconds - start_) / kFadeIn, 1.0);
+  const double fade = t * t * t * (t * (6.0 * t - 15.0) + 10.0);  // zero slope and curvature at both ends
+  const double phase = 2.0 * std::numbers::pi * shake_.frequency * (seconds - start_);
+  const double pitch = fade * shake_.amplitude * std::sin(phase);
+  const double roll = fade * kRollShare * shake_.amplitude * std::sin(phase + kRollPhase);
+  const Eigen::Quaterniond turn =
+      Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+  return Eigen::Translation3d(mount_) * turn * Eigen::Translation3d(-mount_);
 }
 
 }  // namespace cartvo::world

@@ -14,7 +14,6 @@
 #include "calib/model/rig.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "lab/render/motion/drive.hpp"
-#include "lab/render/motion/mount_shake.hpp"
 #include "lab/render/scene/path.hpp"
 #include "lab/render/surface/lighting.hpp"
 #include "lab/render/surface/material.hpp"
@@ -25,6 +24,23 @@
 #include "tools/simulate/content.hpp"
 
 namespace cartvo::world {
+
+/// Motion of the body that a vibrating mount of the cameras makes: both cameras turn about the same place.
+/// Twice continuously differentiable in time.
+class MountShake {
+ public:
+  /// `mount`: the place that does not move, in body axes, m.
+  MountShake(const WorldSettings& settings, const Eigen::Vector3d& mount);
+
+  /// Pose of the shaken body in the axes of the body at rest. The identity until the end of the lead-in; the
+  /// full amplitude a second later.
+  Eigen::Isometry3d T_body_shaken(double seconds) const;
+
+ private:
+  Shake shake_;
+  double start_ = 0.0;  ///< s
+  Eigen::Vector3d mount_;
+};
 
 /// Ground truth of one image.
 struct DepthImage {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "lab/render/scene/path.hpp"
 #include "lab/render/scene/road.hpp"
-#include "lab/render/scene/terrain.hpp"
 #include "lab/render/world_settings.hpp"
 
 namespace cartvo::world {

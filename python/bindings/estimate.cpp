@@ -3,8 +3,8 @@
 
 #include <pybind11/stl.h>
 
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "pipeline/body_motion.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"

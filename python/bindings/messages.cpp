@@ -10,8 +10,7 @@
 #include <pybind11/stl.h>
 
 #include "capture/camera_source.hpp"
-#include "daemon/publish/camera_health_names.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/estimate.hpp"

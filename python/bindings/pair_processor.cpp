@@ -8,8 +8,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/estimate.hpp"

@@ -1,13 +1,25 @@
-// Pairs of two sources that end.
+// Pairs of two sources that end. Texts of what a camera sends and what is left out. Pictures that repeat,
+// of textured scenes and behind a covered lens.
 #include "capture/pair_reader.hpp"
 
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "capture/frozen_picture_detector.hpp"
+#include "capture/stream_remarks.hpp"
 
 namespace cartvo::capture {
 namespace {
+
+using Clock = FrozenPictureDetector::Clock;
+using Kind = StreamRemarks::Kind;
+using std::chrono::seconds;
+using testing::HasSubstr;
 
 constexpr std::int64_t kPeriod_ns = 50'000'000;
 
@@ -80,6 +92,45 @@ TEST(PairReader, HasNoPairsOfEmptySources) {
   SlowCamera left(0, 0);
   SlowCamera right(3, 0);
   EXPECT_FALSE(PairReader(left, right, {}).next());
+}
+
+TEST(StreamRemarks, NameTheFirstOfWhatACameraNeverSends) {
+  StreamRemarks remarks;
+  EXPECT_EQ(remarks.text(), "");
+  remarks.setTotal(Kind::channel, 1, "2");
+  EXPECT_THAT(remarks.text(), HasSubstr("packets on channel 2"));
+}
+
+TEST(StreamRemarks, NameLostPicturesFromTheHundredthOn) {
+  for (const auto& [kind, text] : {std::pair{Kind::undecodable, "pictures that cannot be decoded"},
+                                   {Kind::incomplete, "pictures that are incomplete or of another size"},
+                                   {Kind::missed, "pictures that its driver lost"}}) {
+    StreamRemarks remarks;
+    remarks.setTotal(kind, 99);
+    EXPECT_EQ(remarks.text(), "") << text;
+    remarks.add(kind);
+    EXPECT_EQ(remarks.count(kind), 100U);
+    EXPECT_THAT(remarks.text(), HasSubstr(std::string(text) + " (100 or more)"));
+  }
+}
+
+TEST(FrozenPictureDetector, CountsSinceTheFirstOfEqualPicturesWithTexture) {
+  cv::Mat picture(64, 96, CV_8UC1);
+  cv::RNG(1).fill(picture, cv::RNG::UNIFORM, 0, 255);
+  FrozenPictureDetector detector;
+  const Clock::time_point start{};
+  EXPECT_EQ(detector.update(picture, start), seconds(0));
+  EXPECT_EQ(detector.update(picture, start + seconds(6)), seconds(6));
+  picture.at<unsigned char>(0, 0) ^= 1;
+  EXPECT_EQ(detector.update(picture, start + seconds(7)), seconds(0));
+}
+
+TEST(FrozenPictureDetector, TakesUniformPicturesForThoseOfACoveredLens) {
+  const cv::Mat covered(64, 96, CV_8UC1, cv::Scalar(16));
+  FrozenPictureDetector detector;
+  const Clock::time_point start{};
+  detector.update(covered, start);
+  EXPECT_EQ(detector.update(covered, start + seconds(60)), seconds(0));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Tests of the writing of files: what a path may name, and what must stay as it was.
+// Tests of the writing of files: what a path may name, and what must stay as it was. Tests of files that
+// are written piece by piece: they appear when they are complete, or not at all.
 #include "common/atomic_file.hpp"
 
 #include <csignal>
@@ -17,7 +18,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "common/atomic_file_writer.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo {
@@ -26,11 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 struct stat statusOf(const fs::path& file) {
   struct stat status {};
@@ -58,7 +56,7 @@ TEST_F(AtomicFile, ReplacesTheContentsAndLeavesNoTemporaryFile) {
   const fs::path file = *this / "rig.yaml";
   writeFileAtomically(file, "old");
   writeFileAtomically(file, "new contents");
-  EXPECT_EQ(contentsOf(file), "new contents");
+  EXPECT_EQ(test::contentsOf(file), "new contents");
   EXPECT_EQ(entries(), 1);
 }
 
@@ -81,7 +79,7 @@ TEST_F(AtomicFile, LeavesNothingIfASignalEndsTheProgram) {
     ::waitpid(child, &status, 0);
     EXPECT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(entries(), *before == '\0' ? 0 : 1);
-    EXPECT_EQ(contentsOf(file), before);
+    EXPECT_EQ(test::contentsOf(file), before);
   }
 }
 
@@ -90,7 +88,7 @@ TEST_F(AtomicFile, CreatesMissingFoldersOfResultFilesOnly) {
               HasSubstr("k6.json: no file can be made in the folder"));
   EXPECT_FALSE(fs::exists(*this / "new"));
   writeResultFile(*this / "new" / "folder" / "k6.json", "{}");
-  EXPECT_EQ(contentsOf(*this / "new" / "folder" / "k6.json"), "{}");
+  EXPECT_EQ(test::contentsOf(*this / "new" / "folder" / "k6.json"), "{}");
 }
 
 TEST_F(AtomicFile, FollowsLinksAndCreatesTheirMissingTarget) {
@@ -106,8 +104,8 @@ TEST_F(AtomicFile, FollowsLinksAndCreatesTheirMissingTarget) {
   EXPECT_TRUE(fs::is_symlink(*this / "rig.yaml"));
   EXPECT_TRUE(fs::is_symlink(*this / "again.yaml"));
   EXPECT_TRUE(fs::is_symlink(*this / "later.json"));
-  EXPECT_EQ(contentsOf(*this / "repository" / "rig.yaml"), "new");
-  EXPECT_EQ(contentsOf(*this / "not" / "yet.json"), "{}");
+  EXPECT_EQ(test::contentsOf(*this / "repository" / "rig.yaml"), "new");
+  EXPECT_EQ(test::contentsOf(*this / "not" / "yet.json"), "{}");
 }
 
 TEST_F(AtomicFile, RejectsLinksThatLeadNowhere) {
@@ -128,7 +126,7 @@ TEST_F(AtomicFile, KeepsModeAndOwnerOfAnExistingFile) {
     ASSERT_EQ(::chown(file.c_str(), kOther, kOther), 0);
   }
   writeFileAtomically(file, "new");
-  EXPECT_EQ(contentsOf(file), "new");
+  EXPECT_EQ(test::contentsOf(file), "new");
   EXPECT_EQ(statusOf(file).st_mode & 07777U, 0640U);
   if (is_root) {
     EXPECT_EQ(statusOf(file).st_uid, kOther);
@@ -147,13 +145,13 @@ TEST_F(AtomicFile, KeepsTheOtherNamesOfAFile) {
   writeFileAtomically(*this / "rig.yaml", "old and longer");
   fs::create_hard_link(*this / "rig.yaml", *this / "same.yaml");
   writeFileAtomically(*this / "rig.yaml", "new");
-  EXPECT_EQ(contentsOf(*this / "same.yaml"), "new");
+  EXPECT_EQ(test::contentsOf(*this / "same.yaml"), "new");
 }
 
 TEST_F(AtomicFile, WritesToAFifo) {
   ASSERT_EQ(::mkfifo((*this / "pipe").c_str(), 0600), 0);
   std::string received;
-  std::thread reader([&] { received = contentsOf(*this / "pipe"); });
+  std::thread reader([&] { received = test::contentsOf(*this / "pipe"); });
   writeFileAtomically(*this / "pipe", "{}");
   reader.join();
   EXPECT_EQ(received, "{}");
@@ -188,7 +186,7 @@ TEST_F(AtomicFile, WritesToOwnDescriptorsWhereTheyStand) {
   writeFileAtomically(*this / "link", "two ");
   ASSERT_EQ(::write(descriptor, "after", 5), 5);
   ::close(descriptor);
-  EXPECT_EQ(contentsOf(file), "before one two after");
+  EXPECT_EQ(test::contentsOf(file), "before one two after");
   EXPECT_TRUE(fs::is_symlink(*this / "link"));
 }
 
@@ -208,11 +206,67 @@ TEST_F(AtomicFile, CheckFindsWhatCannotBeWrittenAndChangesNothing) {
   writeFileAtomically(*this / "file", "text");
   checkFileCanBeWritten(*this / "file");
   checkFileCanBeWritten(*this / "new" / "folder" / "rig.yaml");
-  EXPECT_EQ(contentsOf(*this / "file"), "text");
+  EXPECT_EQ(test::contentsOf(*this / "file"), "text");
   EXPECT_EQ(entries(), 1);
   EXPECT_THROW(checkFileCanBeWritten(*this / "file" / "rig.yaml"), std::runtime_error);
   EXPECT_THROW(checkFileCanBeWritten(folder_.path()), std::runtime_error);
   EXPECT_THROW(checkFileCanBeWritten("/proc/nope/rig.yaml"), std::runtime_error);
+}
+
+std::ptrdiff_t filesIn(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), {});
+}
+
+TEST(AtomicFileWriter, AppearsWhenItIsComplete) {
+  const test::TemporaryFolder folder;
+  AtomicFileWriter writer(folder / "a/b/file");
+  writer.write("one ");
+  {
+    std::ofstream library(writer.openPath(), std::ios::app);
+    library << "two";
+  }
+  EXPECT_FALSE(fs::exists(folder / "a/b/file"));
+  writer.commit();
+  EXPECT_EQ(test::contentsOf(folder / "a/b/file"), "one two");
+  EXPECT_EQ(filesIn(folder / "a/b"), 1);
+}
+
+TEST(AtomicFileWriter, LeavesNothingIfItIsNotComplete) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "old") << "old";
+  {
+    AtomicFileWriter fresh(folder / "a/b/file"), replacing(folder / "old");
+    fresh.write("half");
+    replacing.write("half");
+  }
+  EXPECT_EQ(test::contentsOf(folder / "old"), "old");
+  EXPECT_EQ(filesIn(folder.path()), 1) << "the folders that were made are gone";
+}
+
+TEST(AtomicFileWriter, ReplacesAFileBehindALinkAndKeepsItsMode) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "old") << "old";
+  fs::permissions(folder / "old", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("old", folder / "link");
+  AtomicFileWriter writer(folder / "link");
+  writer.write("new");
+  writer.commit();
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(test::contentsOf(folder / "old"), "new");
+  EXPECT_EQ(fs::status(folder / "old").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(filesIn(folder.path()), 2);
+}
+
+TEST(AtomicFileWriter, RefusesWhatIsNoRegularFile) {
+  const test::TemporaryFolder folder;
+  const auto open = [](const fs::path& file) {
+    return test::messageOf([&] { const AtomicFileWriter writer(file); });
+  };
+  EXPECT_THAT(open(folder.path()), HasSubstr("is a folder"));
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(open(folder / "fifo"), HasSubstr("fifo: is not a regular file"));
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THAT(open(folder / "file/below"), HasSubstr("file/below: "));
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ from running_cart import Cameras  # noqa: E402
 
 # OpenCV's headers warn by themselves in C++20 where the include folder is not a system folder.
 WARNINGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-Wno-deprecated-enum-enum-conversion"]
+FEW = 4  # headers that are not worth a precompiled one
+INCLUDED_BY = {"Eigen/Core": "Eigen/Geometry", "opencv2/core/types.hpp": "opencv2/core/mat.hpp"}
 PAIRS = 100  # at 9 a second: on a loaded machine the clocks of the cameras are related late
 
 
@@ -45,12 +47,36 @@ class Installation:
         return run("pkg-config", *arguments, env=self.pkg_config_path).split()
 
     def check_headers(self):
-        headers = sorted((self.prefix / "include").glob("**/*.hpp"))
+        """Compiles each header alone. Those that include the same ones of OpenCV and Eigen share these, precompiled."""
+        include = self.prefix / "include"
+        headers = sorted(include.glob("**/*.hpp"))
         assert len(headers) > 40, headers
-        flags = self.pkg_config("--cflags", "cartvo-pipeline")
+
+        def foreign(header):
+            names = re.findall(r"^#include <(.+)>", header.read_text(), re.M)
+            return {name for name in names if name.startswith(("Eigen/", "opencv2/"))}.union(
+                *(foreign(include / name) for name in names if name.startswith("cartvo/")))
+
+        groups = {}
+        for header in headers:
+            names = foreign(header)
+            covered = {small for small, large in INCLUDED_BY.items() if large in names}
+            groups.setdefault(tuple(sorted(names - covered)), []).append(header)
+        # Precompiled headers forget which warnings Eigen switches off.
+        compiler = ["g++", *WARNINGS, "-Wno-ignored-attributes", *self.pkg_config("--cflags", "cartvo-pipeline")]
+
+        def compile_alone(header, *before):
+            run(*compiler, "-fsyntax-only", *before, "-include", header, "-x", "c++", "/dev/null")
+
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
-            list(pool.map(lambda header: run("g++", *WARNINGS, "-fsyntax-only", "-include", header, "-x", "c++", "/dev/null", *flags),
-                          headers))
+            for number, (names, group) in enumerate(groups.items()):
+                before = []
+                if names and len(group) > FEW:
+                    shared = self.folder / f"shared_{number}.hpp"
+                    shared.write_text("".join(f"#include <{name}>\n" for name in names))
+                    run(*compiler, "-x", "c++-header", shared)
+                    before = ["-include", shared]
+                list(pool.map(lambda header, before=before: compile_alone(header, *before), group))
         print(f"library: {len(headers)} headers compile alone")
 
     def build_example(self, name):

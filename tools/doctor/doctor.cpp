@@ -23,7 +23,6 @@
 #include "tools/doctor/odometry_checks.hpp"
 #include "tools/doctor/picture_checks.hpp"
 #include "tools/doctor/recording_checks.hpp"
-#include "tools/doctor/time_clients.hpp"
 
 namespace cartvo::doctor {
 namespace {

@@ -2,8 +2,10 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -17,15 +19,41 @@
 #include "tools/camera/access_options.hpp"
 #include "tools/cartvo/commands.hpp"
 #include "tools/cartvo/json_text.hpp"
+#include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
 #include "tools/cartvo/time_option.hpp"
-#include "tools/cartvo/work_display.hpp"
+#include "tools/cartvo/work_observer.hpp"
 #include "tools/doctor/doctor.hpp"
 #include "tools/doctor/report.hpp"
 #include "tools/report/html.hpp"
 
 namespace cartvo {
 namespace {
+
+// Shows the steps of long work on the error output.
+
+/// Shows on the error output the current step of long work and its progress, as ProgressBar does.
+class WorkDisplay {
+ public:
+  /// For calls in one thread, while this object lives.
+  WorkObserver observer();
+
+  /// Ends the current step: on a terminal its line is erased.
+  void end() { bar_.reset(); }
+
+ private:
+  std::optional<ProgressBar> bar_;
+};
+
+WorkObserver WorkDisplay::observer() {
+  return {[this](const WorkStep& step) {
+            end();
+            bar_.emplace(step);
+          },
+          [this](int done, int total) {
+            if (bar_) bar_->show(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+          }};
+}
 
 constexpr int kLookAt = 3, kBroken = 4;
 constexpr double kRequestTimeout = 3.0;  // s

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "daemon/service/configuration.hpp"
 #include "tools/doctor/finding_list.hpp"
@@ -35,5 +37,12 @@ bool servesTime(const std::filesystem::path& proc);
 
 /// Checks whether a program keeps the computer's time, or at least gives it to the cameras.
 void checkKernelClock(const std::optional<KernelClock>& clock, bool serves_time, FindingList& findings);
+
+/// Output of `chronyc -n -c clients`, at most 64 KiB, within two seconds; nothing if chronyd does not run
+/// here or does not answer, which it does only to root.
+std::optional<std::string> chronyClients();
+
+/// Checks whether the camera at `host` is among the clients of chronyd. `clients`: as chronyClients().
+void checkTimeClient(const std::string& host, std::string_view clients, FindingList& findings);
 
 }  // namespace cartvo::doctor

@@ -11,8 +11,8 @@
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"
 #include "common/statistics.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "pipeline/pair_processor.hpp"
 
 namespace cartvo::doctor {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "daemon/publish/odometry_reasons.hpp"
+#include "daemon/publish/message_names.hpp"
 
 namespace cartvo {
 namespace {

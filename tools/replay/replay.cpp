@@ -14,7 +14,6 @@
 #include "daemon/diagnostics/self_check.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
 #include "daemon/service/configuration.hpp"
-#include "tools/replay/drive_self_check.hpp"
 #include "tools/replay/light_by_seconds.hpp"
 #include "vo_core/rigid_motion.hpp"
 

@@ -4,11 +4,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,6 +19,7 @@
 #include <unistd.h>
 
 #include "common/command_line/command_line_error.hpp"
+#include "common/input_file.hpp"
 #include "tools/cartvo/interruption.hpp"
 
 namespace cartvo::simulate {
@@ -127,6 +130,21 @@ std::string Renderer::outputOf(const std::vector<std::string>& arguments) const 
   const int code = await(child, pipe.ends[0], text, interruption);
   if (code != 0) throw ExitCode(code);
   return text;
+}
+
+RenderedDrive::RenderedDrive(const std::filesystem::path& folder, double frame_rate, std::string key)
+    : pictures_(folder, {}),
+      frame_rate_(frame_rate),
+      key_(std::move(key)),
+      dense_truth_(readTrajectory(folder / "truth.tum")) {
+  constexpr std::uintmax_t kMaxFileBytes = 1U << 30U;
+  for (const char* name : {"rig.yaml", "times_0.txt", "times_1.txt", "poses.txt", "truth.tum"})
+    written_[name] = readInputText(folder / name, kMaxFileBytes);
+}
+
+/// The truth's first two poses are a fraction of a frame period apart.
+bool RenderedDrive::startsAtStandstill() const {
+  return dense_truth_.size() < 2 || dense_truth_[0].pose.isApprox(dense_truth_[1].pose, 0.0);
 }
 
 }  // namespace cartvo::simulate

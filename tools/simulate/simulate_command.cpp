@@ -26,7 +26,6 @@
 #include "tools/cartvo/result_files.hpp"
 #include "tools/simulate/content_files.hpp"
 #include "tools/simulate/recorded_drive.hpp"
-#include "tools/simulate/rendered_drive.hpp"
 #include "tools/simulate/renderer.hpp"
 #include "tools/simulate/sequence_content.hpp"
 #include "tools/simulate/server/camera_pair_simulation.hpp"

@@ -16,7 +16,7 @@
 #include "common/command_line/terminal.hpp"
 #include "common/printable_text.hpp"
 #include "common/units.hpp"
-#include "daemon/publish/camera_health_names.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "tools/watch/watch.hpp"
 
 namespace cartvo {

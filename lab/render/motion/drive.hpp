@@ -6,7 +6,6 @@
 #include "lab/render/motion/uniform_spline.hpp"
 #include "lab/render/motion/weave.hpp"
 #include "lab/render/scene/path.hpp"
-#include "lab/render/scene/terrain.hpp"
 #include "lab/render/world_settings.hpp"
 
 namespace cartvo::world {

@@ -6,7 +6,6 @@
 
 #include "lab/render/scene/campus.hpp"
 #include "lab/render/scene/path.hpp"
-#include "lab/render/scene/terrain.hpp"
 #include "lab/render/world_settings.hpp"
 
 namespace cartvo::world {

@@ -2,7 +2,6 @@
 
 #include "lab/render/scene/mesh.hpp"
 #include "lab/render/scene/path.hpp"
-#include "lab/render/scene/terrain.hpp"
 
 namespace cartvo::world {
 

@@ -7,7 +7,6 @@
 #include "lab/render/scene/mesh.hpp"
 #include "lab/render/scene/path.hpp"
 #include "lab/render/scene/road.hpp"
-#include "lab/render/scene/terrain.hpp"
 #include "lab/render/world_settings.hpp"
 
 namespace cartvo::world {

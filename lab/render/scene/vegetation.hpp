@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "lab/render/scene/mesh.hpp"
-#include "lab/render/scene/terrain.hpp"
+#include "lab/render/scene/path.hpp"
 
 namespace cartvo::world {
 

@@ -1,6 +1,5 @@
 // Rectification tables and the file that stores them.
 #include <cstring>
-#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -11,17 +10,13 @@
 #include "common/atomic_file.hpp"
 #include "common/digest.hpp"
 #include "support/calib/rigs.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo::calib {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// A small rig, to keep the tests fast.
 Rig smallRig() {
@@ -137,7 +132,7 @@ TEST_F(TablesFile, IsRebuiltWhenTheImageSizeChanges) {
 
 TEST_F(TablesFile, IsRebuiltWhenAnyByteIsDamaged) {
   loadOrBuild(rig_);
-  const std::string whole = contents(file_);
+  const std::string whole = test::contentsOf(file_);
   for (const std::size_t at : {std::size_t{0}, std::size_t{9}, std::size_t{22}, std::size_t{28},
                                whole.size() / 2, whole.size() - 1}) {
     std::string damaged = whole;
@@ -146,13 +141,13 @@ TEST_F(TablesFile, IsRebuiltWhenAnyByteIsDamaged) {
     const LoadedTables rebuilt = loadOrBuild(rig_);
     EXPECT_EQ(rebuilt.origin, TablesOrigin::damaged) << "byte " << at;
     EXPECT_THAT(rebuilt.message, HasSubstr(file_.string()));
-    EXPECT_EQ(contents(file_), whole);
+    EXPECT_EQ(test::contentsOf(file_), whole);
   }
 }
 
 TEST_F(TablesFile, IsRebuiltWhenItIsCutShortOrTooLong) {
   loadOrBuild(rig_);
-  const std::string whole = contents(file_);
+  const std::string whole = test::contentsOf(file_);
   for (const std::size_t length : {std::size_t{0}, std::size_t{10}, std::size_t{36}, whole.size() - 1}) {
     writeFileAtomically(file_, whole.substr(0, length));
     const LoadedTables rebuilt = loadOrBuild(rig_);

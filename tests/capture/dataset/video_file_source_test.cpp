@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace cartvo::capture {
@@ -167,8 +168,7 @@ TEST(VideoFileSource, DeliversAPartOfThePictures) {
 TEST(VideoFileSource, SaysThatAnMp4WasNeverFinished) {
   const test::TemporaryFolder folder;
   const fs::path file = video(folder, "a.mp4", "-c:v libx264 -pix_fmt yuv420p");
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = test::contentsOf(file);
   const std::size_t index = bytes.find("moov") - 4;
   for (const std::size_t end : {index, index + 100}) {
     std::ofstream(folder / "cut.mp4", std::ios::binary) << bytes.substr(0, end);

@@ -1,17 +1,21 @@
-// Frames of a live connection, over real sockets on loopback, from the simulated camera.
-
+// Frames of a live connection, over real sockets on loopback, from the simulated camera. Validation of an
+// RTSP camera's settings. Health of a camera names each kind of data that is left out, over real sockets on
+// loopback.
 #include "capture/rtsp/rtsp_camera.hpp"
 
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "capture/codec/video_decoder.hpp"
@@ -19,8 +23,10 @@
 #include "capture/recording/recording_source.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "support/temporary_folder.hpp"
+#include "tests/support/capture/encoded_sequence.hpp"
 #include "tests/support/capture/frame_digest.hpp"
 #include "tests/support/capture/live_camera.hpp"
+#include "tests/support/capture/scripted_camera.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -29,6 +35,8 @@ using simulate::EncodedStream;
 using simulate::SimulatedCamera;
 using simulate::SimulatedCameraSettings;
 using std::chrono::milliseconds;
+using test::CameraScript;
+using test::ScriptedCamera;
 
 /// Limit of the exposures' error, standard deviations. On a busy host arrivals are late and the stated
 /// deviation is larger; the accuracy of the clock model is tested separately.
@@ -173,6 +181,82 @@ TEST(RtspCamera, TwoCamerasPairWithTheirTrueOffset) {
     ++exact;
   }
   EXPECT_GT(exact, 10);
+}
+
+std::string errorOf(const RtspCameraSettings& settings) {
+  try {
+    const RtspCamera camera(settings);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string errorOfUrl(const std::string& url) {
+  RtspCameraSettings settings;
+  settings.url = url;
+  return errorOf(settings);
+}
+
+TEST(RtspCameraSettings, AcceptsOrdinaryUrl) {
+  EXPECT_EQ(errorOfUrl("rtsp://10.0.0.1:554/Streaming/Channels/101"), "");
+}
+
+TEST(RtspCameraSettings, RejectsCredentialsInUrlWithoutRepeatingThem) {
+  const std::string message = errorOfUrl("rtsp://admin:hunter2@10.0.0.1/101");
+  EXPECT_THAT(message, testing::HasSubstr("must not contain a user or password"));
+  EXPECT_THAT(message, testing::HasSubstr("give them as the camera's credentials"));
+  EXPECT_THAT(message, testing::Not(testing::HasSubstr("hunter2")));
+}
+
+TEST(RtspCameraSettings, RejectsInvalidUrl) {
+  EXPECT_THAT(errorOfUrl("http://10.0.0.1/"), testing::HasSubstr("must begin with rtsp://"));
+  EXPECT_THAT(errorOfUrl("rtsp://10.0.0.1/a b"), testing::HasSubstr("white space"));
+  EXPECT_THAT(errorOfUrl("rtsp:///101"), testing::HasSubstr("must contain a host"));
+}
+
+TEST(RtspCameraSettings, RejectsTimeoutOfZero) {
+  RtspCameraSettings settings;
+  settings.url = "rtsp://10.0.0.1/101";
+  settings.stall_timeout = std::chrono::milliseconds(0);
+  EXPECT_THAT(errorOf(settings), testing::HasSubstr("time-outs must be positive"));
+}
+
+CameraScript faultlessScript() {
+  CameraScript script;
+  script.pictures = test::encodeSequence(VideoCodec::h264, {240, 180}, 40, 10, "");
+  return script;
+}
+
+/// Reads until the camera's advice contains the text.
+void expectAdvice(const CameraScript& with_fault, const std::string& text) {
+  ScriptedCamera server(with_fault);
+  RtspCameraSettings settings = test::settingsFor(server.port());
+  settings.credentials = {};
+  RtspCamera camera(settings);
+  EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome, const Frame&) {
+    return camera.health().advice.find(text) != std::string::npos;
+  })) << camera.health().advice;
+  EXPECT_EQ(camera.health().reconnections, 0U);
+}
+
+TEST(RtspLeftOut, NamesReportsOfAClockThatIsNotSet) {
+  CameraScript unset = faultlessScript();
+  unset.clock_error = [](double) { return -2.0e9; };
+  expectAdvice(unset, "sender reports that state a time before 1970: set its clock");
+}
+
+TEST(RtspLeftOut, NamesPicturesWhoseRtpTimeIsAnother) {
+  CameraScript stray = faultlessScript();
+  stray.frame_rate = 100.0;
+  auto pictures = std::make_shared<int>(0);
+  stray.link = [pictures](const CameraScript::Packet& packet, const CameraScript::Send& send) {
+    CameraScript::Packet changed = packet;
+    if (*pictures % 3 == 2) changed[4] ^= 0x40;  // of the RTP time
+    if ((packet[1] & 0x80) != 0) ++*pictures;
+    send(changed);
+  };
+  expectAdvice(stray, "pictures whose RTP time does not follow from that of the others (100 or more)");
 }
 
 }  // namespace

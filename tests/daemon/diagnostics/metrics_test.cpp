@@ -2,7 +2,6 @@
 
 #include "daemon/diagnostics/metrics.hpp"
 
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <regex>
@@ -10,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/file_text.hpp"
 #include "support/places.hpp"
 
 namespace cartvo::daemon {
@@ -22,8 +22,7 @@ using testing::StartsWith;
 
 /// Names of all numbers of a struct in health_t.lcm.
 std::vector<std::string> numbersOf(const std::string& struct_name) {
-  std::ifstream stream(test::sourceFolder() / "daemon/messages/health_t.lcm");
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::string text = test::contentsOf(test::sourceFolder() / "daemon/messages/health_t.lcm");
   text.erase(0, text.find("struct " + struct_name));
   text.erase(text.find('}'));
   static const std::regex kNumber(R"(\n +(int8_t|int32_t|int64_t|float|double) +([a-z0-9_]+)(\[[0-9]\])?;)");

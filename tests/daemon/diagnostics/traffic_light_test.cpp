@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/camera_health_names.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "support/places.hpp"
 #include "vo_core/odometry_reason.hpp"
 

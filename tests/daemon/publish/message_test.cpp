@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <regex>
@@ -16,9 +15,10 @@
 #include <gtest/gtest.h>
 
 #include "common/host_clock.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "support/daemon/sent_messages.hpp"
+#include "support/file_text.hpp"
 #include "support/pipeline/valid_result.hpp"
 #include "support/places.hpp"
 
@@ -168,14 +168,8 @@ TEST(OdometryMessage, JoinsNamesOfReasons) {
   EXPECT_EQ(reasonNames(0), "");
 }
 
-/// Text of a file of the source tree.
-std::string sourceText(const char* path) {
-  std::ifstream stream(test::sourceFolder() / path);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 TEST(OdometryReasons, AreThoseOfTheMessageAndOfTheDocumentation) {
-  const std::string message = sourceText("daemon/messages/odometry_t.lcm");
+  const std::string message = test::contentsOf(test::sourceFolder() / "daemon/messages/odometry_t.lcm");
   std::string list;
   std::uint32_t next = 1;
   for (const vo::OdometryReasonText& text : vo::kOdometryReasons) {
@@ -190,7 +184,8 @@ TEST(OdometryReasons, AreThoseOfTheMessageAndOfTheDocumentation) {
     EXPECT_EQ(reasonNames(static_cast<std::int32_t>(text.reason)), text.words);
     list += "- " + bit + " `" + constant + "`: " + text.sentence + ".\n";
   }
-  EXPECT_NE(sourceText("docs/controllers.md").find(list + "\n"), std::string::npos)
+  EXPECT_NE(test::contentsOf(test::sourceFolder() / "docs/controllers.md").find(list + "\n"),
+            std::string::npos)
       << "docs/controllers.md should contain:\n"
       << list;
   static const std::regex kDeclaration("REASON_[A-Z_]+ = ");

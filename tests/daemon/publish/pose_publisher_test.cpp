@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/daemon/sent_messages.hpp"
+
 namespace cartvo::daemon {
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include "lab/render/rendered_world.hpp"
 #include "lab/render/scene/steps.hpp"
-#include "lab/render/tracing/lens_drops.hpp"
+#include "lab/render/tracing/photometry.hpp"
 
 namespace cartvo {
 namespace {

@@ -42,4 +42,10 @@ inline CommandResult pipeCartvo(const std::string& arguments) {
   return runCommand(cartvoProgram().string() + " " + arguments + " 2>/dev/null");
 }
 
+/// Runs a command in a network namespace with loopback only.
+inline CommandResult runIsolated(const std::string& command) {
+  const std::string isolated = (sourceFolder() / "tools/in_network_namespace").string();
+  return runCommand(isolated + " sh -c '" + command + "' 2>&1");
+}
+
 }  // namespace cartvo::test

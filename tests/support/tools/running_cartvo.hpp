@@ -3,8 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -12,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "support/file_text.hpp"
 #include "support/places.hpp"
 #include "support/test_timeout.hpp"
 #include "support/tools/child_process.hpp"
@@ -40,10 +39,7 @@ class RunningCartvo {
   RunningCartvo& operator=(const RunningCartvo&) = delete;
 
   /// The output so far.
-  std::string output() const {
-    std::ifstream file(output_file_);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string output() const { return contentsOf(output_file_); }
 
   bool isRunning() const {
     siginfo_t ended{};

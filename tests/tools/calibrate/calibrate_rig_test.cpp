@@ -11,6 +11,7 @@
 #include "calib/format/euroc_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "support/calib/rigs.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "support/tools/run_cartvo.hpp"
@@ -23,11 +24,6 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::string textOf(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string chessboard(const fs::path& data) {
   return "calibrate " + data.string() +
@@ -62,7 +58,7 @@ TEST(CalibrateCommand, CalibratesAPairAndReportsItsQuality) {
   EXPECT_THAT(run.output, AllOf(HasSubstr("passes its validation, with reservations:"),
                                 HasSubstr("only 13 views are used: take at least 3 more"),
                                 HasSubstr("depth at 10 m is known to"), Not(HasSubstr("inf"))));
-  EXPECT_THAT(textOf(report),
+  EXPECT_THAT(test::contentsOf(report),
               AllOf(HasSubstr("class=\"reserved\""), HasSubstr("<svg"), HasSubstr("data:image/png;base64,"),
                     HasSubstr("Rejected views"), Not(HasSubstr("http://127")), HasSubstr("</html>")));
 }
@@ -174,7 +170,7 @@ TEST(CalibrateCommand, RefusesFaultyInputWithTheReasonAndKeepsTheOutput) {
         test::runCartvo("calibrate " + arguments + " --output " + output.string());
     EXPECT_EQ(run.exit_code, 1) << run.output;
     EXPECT_THAT(run.output, HasSubstr(words));
-    EXPECT_EQ(textOf(output), before);
+    EXPECT_EQ(test::contentsOf(output), before);
   };
   const std::string board = " --board chessboard:9x6:0.025 --model brown2";
   layOut(data, folder / "swapped", "right", "left");
@@ -205,7 +201,7 @@ TEST(CalibrateCommand, RefusesFaultyInputWithTheReasonAndKeepsTheOutput) {
   const test::CommandResult notes = test::runCartvo("calibrate " + (folder / "other").string() + board +
                                                     " --output " + (folder / "notes.txt").string());
   EXPECT_THAT(notes.output, HasSubstr("exists and is not a rig file"));
-  EXPECT_EQ(textOf(folder / "notes.txt"), "was here");
+  EXPECT_EQ(test::contentsOf(folder / "notes.txt"), "was here");
 }
 
 TEST(CalibrateCommand, ExitsWith2ForAWrongCommandLine) {

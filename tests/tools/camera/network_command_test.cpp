@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
@@ -31,11 +32,6 @@ namespace fs = std::filesystem;
 constexpr const char* kTwoPorts =
     "camera network --left-interface enp2s0 --right-interface enp3s0 --left-camera 192.168.101.64 "
     "--right-camera 192.168.102.64 --dhcp";
-
-std::string readFile(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 void writeFile(const fs::path& file, const std::string& text) {
   fs::create_directories(file.parent_path());
@@ -128,7 +124,7 @@ TEST(CameraNetwork, WritesTheFilesThatAreInstalledAsExamples) {
     if (!entry.is_regular_file()) continue;
     ++written;
     const fs::path example = test::sourceFolder() / "config/network" / entry.path().filename();
-    EXPECT_EQ(readFile(entry.path()), readFile(example)) << example;
+    EXPECT_EQ(test::contentsOf(entry.path()), test::contentsOf(example)) << example;
   }
   EXPECT_EQ(written, 4U);
   EXPECT_THAT(run.output, HasSubstr("networkctl reload"));
@@ -153,10 +149,10 @@ TEST(CameraNetwork, ReplacesOtherFilesOnlyByForce) {
   const CommandResult refused = runCartvo(command);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.output, AllOf(HasSubstr(mine.string()), HasSubstr("--force")));
-  EXPECT_EQ(readFile(mine), "mine\n");
+  EXPECT_EQ(test::contentsOf(mine), "mine\n");
   EXPECT_FALSE(fs::exists(etc / "systemd/network/10-cartvo-left.network"));
   EXPECT_EQ(runCartvo(command + " --force").exit_code, 0);
-  EXPECT_THAT(readFile(mine), HasSubstr("Name=enp3s0"));
+  EXPECT_THAT(test::contentsOf(mine), HasSubstr("Name=enp3s0"));
   const CommandResult again = runCartvo(command);
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_THAT(again.output, AllOf(HasSubstr("unchanged: "), Not(HasSubstr("written: "))));

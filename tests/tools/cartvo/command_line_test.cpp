@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/command_line/terminal.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "tools/trajectory/trajectory.hpp"
@@ -124,8 +125,7 @@ TEST(StandardOutput, ThatIsClosedIsAFailureAndNoResultFile) {
   const test::CommandResult closed =
       test::runCommand(test::cartvoProgram().string() + " calibrate plan --hfov 70 --plot " + plot + " >&-");
   EXPECT_EQ(closed.exit_code, 1);
-  std::ifstream stream(plot);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = test::contentsOf(plot);
   EXPECT_THAT(text, AllOf(StartsWith("<svg"), ::testing::EndsWith("</svg>\n")));
 }
 

@@ -2,7 +2,6 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 
@@ -13,6 +12,7 @@
 
 #include "support/camera/isapi_server.hpp"
 #include "support/doctor/walls.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
 #include "support/tools/run_on_terminal.hpp"
@@ -102,8 +102,7 @@ TEST_F(DoctorCommand, LooksAtTwoCameras) {
   EXPECT_THAT(finding(json, "odometry", "processing time"), HasSubstr("of the frame period"));
   EXPECT_THAT(finding(json, "pictures", "left camera, light"), HasSubstr("mean"));
   EXPECT_THAT(finding(json, "cartvod", "service"), HasSubstr("not_checked"));
-  std::ifstream page(report);
-  const std::string html{std::istreambuf_iterator<char>(page), {}};
+  const std::string html = test::contentsOf(report);
   EXPECT_THAT(html, HasSubstr("data:image/jpeg"));
   EXPECT_THAT(html, Not(HasSubstr(kCanary)));
   EXPECT_THAT(left_page_->requests(), Not(testing::Contains(testing::StartsWith("PUT"))));

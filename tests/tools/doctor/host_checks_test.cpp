@@ -9,7 +9,6 @@
 
 #include "support/doctor/findings.hpp"
 #include "support/temporary_folder.hpp"
-#include "tools/doctor/time_clients.hpp"
 
 namespace cartvo::doctor {
 namespace {

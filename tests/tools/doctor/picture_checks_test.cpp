@@ -1,4 +1,5 @@
-// Checks of made-up pictures: light, sharpness, rows and static parts.
+// Checks of made-up pictures: light, sharpness, rows and static parts. The figures of the report hold the
+// pictures themselves, scaled down. Pairs that are kept for the checks, consecutive and spread ones.
 #include "tools/doctor/picture_checks.hpp"
 
 #include <string>
@@ -7,17 +8,22 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/base64.hpp"
 #include "lab/render/rendered_world.hpp"
+#include "support/calib/rigs.hpp"
 #include "support/doctor/findings.hpp"
 #include "support/tools/wall_drive.hpp"
+#include "tools/doctor/cameras/kept_pairs.hpp"
+#include "tools/doctor/picture_figures.hpp"
 #include "tools/doctor/picture_measures.hpp"
 
 namespace cartvo::doctor {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 Findings checked(const std::vector<PicturePair>& pairs, const calib::Rig* rig) {
   FindingList findings("pictures");
@@ -191,6 +197,102 @@ TEST(PictureMeasures, LeaveMaskedPixelsOut) {
   EXPECT_EQ(measurePicture(picture, used).black, 0.0);
   EXPECT_EQ(measurePicture(picture, {}).mean, 50.0);
   EXPECT_EQ(measurePicture(picture, {}).black, 0.5);
+}
+
+/// The embedded pictures, decoded.
+std::vector<cv::Mat> picturesIn(const std::string& html) {
+  const std::string start = "src=\"data:image/jpeg;base64,";
+  std::vector<cv::Mat> pictures;
+  for (std::size_t at = html.find(start); at != std::string::npos; at = html.find(start, at)) {
+    at += start.size();
+    const auto jpeg = decodeBase64(html.substr(at, html.find('"', at) - at));
+    if (!jpeg) {
+      ADD_FAILURE() << "no base64";
+      return pictures;
+    }
+    pictures.push_back(
+        cv::imdecode(std::vector<unsigned char>(jpeg->begin(), jpeg->end()), cv::IMREAD_GRAYSCALE));
+  }
+  return pictures;
+}
+
+PicturePair plainPair(const cv::Size& size) {
+  return {cv::Mat(size, CV_8UC1, cv::Scalar(60)), cv::Mat(size, CV_8UC1, cv::Scalar(200)), 0, 0};
+}
+
+TEST(PictureFigures, AreBothPicturesAndBothRectifiedAtHalfStrength) {
+  const calib::Rig rig = test::cartRig();
+  const std::string html = pictureFigures(plainPair(rig.left.size), &rig);
+  const std::vector<cv::Mat> pictures = picturesIn(html);
+  ASSERT_EQ(pictures.size(), 3U);
+  for (const cv::Mat& picture : pictures)
+    EXPECT_EQ(picture.size(), rig.left.size);
+  const cv::Point between_lines(340, 26);
+  EXPECT_NEAR(pictures[0].at<unsigned char>(between_lines), 60, 2);
+  EXPECT_NEAR(pictures[1].at<unsigned char>(between_lines), 200, 2);
+  EXPECT_NEAR(pictures[2].at<unsigned char>(between_lines), 130, 2);
+  EXPECT_THAT(html, HasSubstr("alt=\"picture of the left camera, 680x420 px, not rectified\""));
+  EXPECT_THAT(html, HasSubstr("alt=\"picture of the right camera, "));
+  EXPECT_THAT(html, HasSubstr("alt=\"both pictures, rectified with the rig file, "));
+}
+
+TEST(PictureFigures, AreScaledDown) {
+  const std::vector<cv::Mat> pictures = picturesIn(pictureFigures(plainPair({1920, 1080}), nullptr));
+  ASSERT_EQ(pictures.size(), 2U);
+  EXPECT_EQ(pictures[0].size(), cv::Size(960, 540));
+}
+
+TEST(PictureFigures, LeaveOutTheOverlayOfARigForOtherPictures) {
+  const calib::Rig rig = test::cartRig();
+  EXPECT_EQ(picturesIn(pictureFigures(plainPair({640, 480}), &rig)).size(), 2U);
+}
+
+/// Pairs 0.05 s apart.
+KeptPairs keep(int count, cv::Size size) {
+  PairKeeper keeper;
+  for (int i = 0; i < count; ++i) {
+    capture::FramePair pair;
+    pair.left.image = cv::Mat::zeros(size, CV_8UC1);
+    pair.right.image = cv::Mat::zeros(size, CV_8UC1);
+    pair.left.exposure_ns = pair.right.exposure_ns = i * 50'000'000LL;
+    keeper.add(std::move(pair));
+  }
+  return keeper.take();
+}
+
+double exposure(const capture::FramePair& pair) {
+  return 1e-9 * static_cast<double>(pair.left.exposure_ns);
+}
+
+TEST(PairKeeper, KeepsAllOfAFew) {
+  const KeptPairs kept = keep(20, {8, 8});
+  EXPECT_EQ(kept.consecutive.size(), 20U);
+  EXPECT_EQ(kept.spread.size(), 4U);
+}
+
+TEST(PairKeeper, SpreadsPairsOverTheWholeTime) {
+  const KeptPairs kept = keep(2400, {8, 8});
+  ASSERT_GE(kept.spread.size(), 40U);
+  ASSERT_LE(kept.spread.size(), 80U);
+  EXPECT_EQ(exposure(kept.spread.front()), 0.0);
+  const double distance = exposure(kept.spread[1]);
+  for (std::size_t i = 1; i < kept.spread.size(); ++i)
+    EXPECT_NEAR(exposure(kept.spread[i]) - exposure(kept.spread[i - 1]), distance, 1e-6);
+  EXPECT_GE(exposure(kept.spread.back()), 119.95 - distance - 1e-6);
+}
+
+TEST(PairKeeper, KeepsTheLastConsecutivePairs) {
+  const KeptPairs kept = keep(2400, {8, 8});
+  ASSERT_EQ(kept.consecutive.size(), 40U);
+  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.front()), 118.0);
+  EXPECT_DOUBLE_EQ(exposure(kept.consecutive.back()), 119.95);
+}
+
+TEST(PairKeeper, KeepsFewerLargePairs) {
+  const KeptPairs kept = keep(120, {4000, 1500});  // 12 MB each
+  EXPECT_EQ(kept.consecutive.size(), 12U);
+  EXPECT_LE(kept.spread.size(), 25U);
+  EXPECT_GE(kept.spread.size(), 12U);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Tests of `cartvo export` as its users run it, on a small recording and on trajectory files.
+// Tests of `cartvo export` as its users run it, on a small recording and on trajectory files. Tests of
+// event logs of LCM, played back by LCM's own reader.
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -13,14 +15,20 @@
 #include "capture/codec/nal_units.hpp"
 #include "capture/recording/stream_recorder.hpp"
 #include "support/calib/rigs.hpp"
+#include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/tools/exported_drive.hpp"
 #include "support/tools/mcap_file.hpp"
 #include "support/tools/run_cartvo.hpp"
+#include "tools/export/lcm_log.hpp"
 #include "tools/simulate/stream/stream_encoder.hpp"
 #include "tools/trajectory/trajectory.hpp"
 
 namespace cartvo {
 namespace {
+
+using testing::HasSubstr;
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -28,11 +36,6 @@ using ::testing::HasSubstr;
 
 constexpr int kPictures = 24;
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 class ExportCommand : public ::testing::Test {
  protected:
@@ -51,7 +54,7 @@ class ExportCommand : public ::testing::Test {
     calib::writeRig(folder_ / "rig.yaml", rig);
     capture::RecordingSettings settings;
     settings.folder = folder_ / "drive";
-    settings.rig = contentsOf(folder_ / "rig.yaml");
+    settings.rig = test::contentsOf(folder_ / "rig.yaml");
     capture::StreamRecorder recorder(settings);
     simulate::StreamEncoder encoder({.bitrate_kbps = 500}, {160, 96}, 20.0);
     recorder.left().onStream({});
@@ -93,7 +96,8 @@ TEST_F(ExportCommand, CopiesThePicturesOfARecording) {
   EXPECT_THAT(run.output, HasSubstr("pairs written to "));
   std::vector<std::string> pictures[2];
   std::uint64_t last = 0;
-  for (const test::McapMessage& message : test::readMcapFile(contentsOf(folder_ / "drive.mcap")).messages) {
+  for (const test::McapMessage& message :
+       test::readMcapFile(test::contentsOf(folder_ / "drive.mcap")).messages) {
     EXPECT_GE(message.log_time, last) << "in the order of time";
     last = message.log_time;
     if (message.topic == "/left/video") pictures[0].push_back(message.data);
@@ -121,7 +125,7 @@ TEST_F(ExportCommand, WritesEachFormatOfARecording) {
   for (const char* format : {"lcm-log", "tum", "kitti", "euroc", "csv"}) {
     const test::CommandResult run = this->run("drive", format, std::string("out/") + format);
     EXPECT_EQ(run.exit_code, 0) << format << ": " << run.output;
-    EXPECT_FALSE(contentsOf(folder_ / "out" / format).empty()) << format;
+    EXPECT_FALSE(test::contentsOf(folder_ / "out" / format).empty()) << format;
   }
 }
 
@@ -129,7 +133,7 @@ TEST_F(ExportCommand, WritesABagWithThePicturesOfARecording) {
   record();
   const test::CommandResult run = this->run("drive", "rosbag2-mcap", "out/bag");
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  const test::McapFile file = test::readMcapFile(contentsOf(folder_ / "out/bag/bag_0.mcap"));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder_ / "out/bag/bag_0.mcap"));
   ASSERT_EQ(file.messages.size(), 2U * kPictures) << "no motion is found";
   std::uint64_t last = 0;
   for (const test::McapMessage& message : file.messages) {
@@ -138,7 +142,7 @@ TEST_F(ExportCommand, WritesABagWithThePicturesOfARecording) {
     last = message.log_time;
   }
   EXPECT_EQ(file.messages[1].topic, "/right/video");
-  EXPECT_THAT(contentsOf(folder_ / "out/bag/metadata.yaml"), HasSubstr("message_count: 48"));
+  EXPECT_THAT(test::contentsOf(folder_ / "out/bag/metadata.yaml"), HasSubstr("message_count: 48"));
 }
 
 TEST_F(ExportCommand, ConvertsTrajectories) {
@@ -152,13 +156,13 @@ TEST_F(ExportCommand, ConvertsTrajectories) {
   }
   ASSERT_EQ(run("drive.tum", "kitti", "poses.txt").exit_code, 0);
   EXPECT_EQ(readTrajectory(folder_ / "poses.txt").size(), poses_.size());
-  EXPECT_THAT(contentsOf(folder_ / "poses.txt"), ::testing::Not(HasSubstr("#")))
+  EXPECT_THAT(test::contentsOf(folder_ / "poses.txt"), ::testing::Not(HasSubstr("#")))
       << "KITTI's devkit reads no comments";
   EXPECT_EQ(run("drive.tum", "mcap", "drive.mcap").exit_code, 0);
 
   fs::create_directory(folder_ / "out");
   fs::copy(folder_ / "drive.tum", folder_ / "out/trajectory.tum");
-  EXPECT_EQ(contentsOf(folder_ / "drive.tum"), contentsOf(folder_ / "tum"));
+  EXPECT_EQ(test::contentsOf(folder_ / "drive.tum"), test::contentsOf(folder_ / "tum"));
   EXPECT_EQ(run("out", "tum", "tum").exit_code, 0) << "an output folder of cartvo replay";
 }
 
@@ -210,6 +214,67 @@ TEST_F(ExportCommand, ReportsWhatItCannotExport) {
   fails("left.mp4", "mcap", "left.mp4: is a video; run 'cartvo replay'");
   EXPECT_EQ(run("drive.tum", "bag", "x").exit_code, 2);
   EXPECT_THAT(run("drive.tum", "mcap", "drive.tum/x").output, HasSubstr("drive.tum"));
+}
+
+TEST(LcmLog, HasEachMessageAtItsArrival) {
+  const test::TemporaryFolder folder;
+  const Replay replay = *test::drivenSource().replay;
+  writeLcmLog(folder / "drive.lcmlog", replay);
+  lcm::LogFile log((folder / "drive.lcmlog").string(), "r");
+  ASSERT_TRUE(log.good());
+  std::size_t index = 0;
+  for (const lcm::LogEvent* event = log.readNextEvent(); event != nullptr; event = log.readNextEvent()) {
+    ASSERT_LT(index, replay.pairs.size());
+    const odometry_t& expected = replay.pairs[index].message;
+    EXPECT_EQ(event->channel, "CARTVO_ODOMETRY");
+    EXPECT_EQ(event->timestamp, expected.arrival_utime);
+    odometry_t message{};
+    ASSERT_EQ(message.decode(event->data, 0, event->datalen), event->datalen);
+    EXPECT_EQ(message.utime, expected.utime);
+    EXPECT_EQ(message.sequence, static_cast<std::int64_t>(index));
+    EXPECT_EQ(message.publication_utime, event->timestamp);
+    EXPECT_GT(message.time_to_live_us, 0);
+    EXPECT_EQ(message.status, expected.status);
+    EXPECT_EQ(message.angular_velocity_body[2], expected.angular_velocity_body[2]);
+    ++index;
+  }
+  EXPECT_EQ(index, replay.pairs.size());
+}
+
+TEST(LcmLog, OfAnImageFolderHasTheExposures) {
+  const test::TemporaryFolder folder;
+  Replay replay = *test::drivenSource().replay;
+  for (ReplayedPair& pair : replay.pairs)
+    pair.message.arrival_utime = 0;
+  writeLcmLog(folder / "drive.lcmlog", replay);
+  lcm::LogFile log((folder / "drive.lcmlog").string(), "r");
+  EXPECT_EQ(log.readNextEvent()->timestamp, test::kDriveStart_ns / 1000);
+}
+
+TEST(LcmLog, IsPlayedByTheLogplayerAndRecordedByTheLogger) {
+  if (test::runIsolated("true").exit_code != 0) GTEST_SKIP() << "no network namespace of its own here";
+  const test::TemporaryFolder folder;
+  writeLcmLog(folder / "drive.lcmlog", *test::drivenSource().replay);
+  // The logger may start after the first playing, so it is repeated until the logger has recorded something.
+  const test::CommandResult run = test::runIsolated(
+      "cd " + folder.path().string() +
+      "; lcm-logger --force --quiet --flush-interval=1 live.lcmlog >/dev/null & logger=$!; "
+      "for i in $(seq 100); do lcm-logplayer drive.lcmlog; test -s live.lcmlog && break; done; "
+      "kill -INT $logger; wait");
+  lcm::LogFile log((folder / "live.lcmlog").string(), "r");
+  ASSERT_TRUE(log.good()) << run.output;
+  const lcm::LogEvent* event = log.readNextEvent();
+  ASSERT_NE(event, nullptr) << run.output;
+  EXPECT_EQ(event->channel, "CARTVO_ODOMETRY");
+  odometry_t message{};
+  EXPECT_EQ(message.decode(event->data, 0, event->datalen), event->datalen);
+}
+
+TEST(LcmLog, IsNotLeftHalfWritten) {
+  std::ofstream full("/dev/full");
+  if (!full) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THAT(test::messageOf([] { writeLcmLog("/dev/full", *test::drivenSource().replay); }),
+              HasSubstr("/dev/full: is not a regular file"));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // Tests of MCAP files by a strict reader of the tests' own, and by the readers of other projects.
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 
 #include "common/atomic_file_writer.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/exported_drive.hpp"
 #include "support/tools/mcap_file.hpp"
@@ -30,11 +30,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 void exportTo(const ExportSource& source, ExportFormat format, const fs::path& file) {
   writeExport(source, format, file, [](std::size_t) {});
@@ -60,7 +55,7 @@ TEST(McapWriter, WritesSeveralChunksWithIndicesAndChecksums) {
     writer.write(i % 2 == 0 ? even : odd, 1000 - i, i, std::string(100'000, static_cast<char>(i)));
   writer.finish();
   file.commit();
-  const test::McapFile read = test::readMcapFile(contentsOf(folder / "a.mcap"));
+  const test::McapFile read = test::readMcapFile(test::contentsOf(folder / "a.mcap"));
   EXPECT_EQ(read.profile, "profile");
   EXPECT_EQ(read.schemas.at("name"), "encoding:data");
   EXPECT_EQ(read.chunks, 5U);
@@ -74,7 +69,7 @@ TEST(McapWriter, WritesSeveralChunksWithIndicesAndChecksums) {
 TEST(McapWriter, IsReadStrictly) {
   const test::TemporaryFolder folder;
   exportTo(test::drivenSource(), ExportFormat::mcap, folder / "a.mcap");
-  const std::string bytes = contentsOf(folder / "a.mcap");
+  const std::string bytes = test::contentsOf(folder / "a.mcap");
   EXPECT_NO_THROW(test::readMcapFile(bytes));
   for (std::size_t i = 0; i < bytes.size(); i += 97) {
     std::string altered = bytes;
@@ -86,7 +81,7 @@ TEST(McapWriter, IsReadStrictly) {
 TEST(FoxgloveFile, HasWhatTheDriveHas) {
   const test::TemporaryFolder folder;
   exportTo(test::drivenSource(), ExportFormat::mcap, folder / "drive.mcap");
-  const test::McapFile file = test::readMcapFile(contentsOf(folder / "drive.mcap"));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder / "drive.mcap"));
   const std::vector<std::string> topics = topicsOf(file);
   EXPECT_EQ(std::count(topics.begin(), topics.end(), "/odometry"), test::kDrivePairs - 1) << "valid pairs";
   EXPECT_EQ(std::count(topics.begin(), topics.end(), "/pose"), test::kDrivePairs);
@@ -101,7 +96,7 @@ TEST(FoxgloveFile, OfATrajectoryHasPosesOnly) {
   ExportSource source = test::drivenSource();
   source.replay.reset();
   exportTo(source, ExportFormat::mcap, folder / "drive.mcap");
-  const test::McapFile file = test::readMcapFile(contentsOf(folder / "drive.mcap"));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder / "drive.mcap"));
   EXPECT_EQ(file.messages.size(), 2U * test::kDrivePairs);
   EXPECT_THAT(topicsOf(file), Not(Contains("/odometry")));
   source.poses.front().time_ns = -1;
@@ -113,7 +108,7 @@ TEST(FoxgloveFile, OfATrajectoryHasPosesOnly) {
 TEST(RosBag, HasValidPairsOnly) {
   const test::TemporaryFolder folder;
   exportTo(test::drivenSource(), ExportFormat::rosbag2_mcap, folder / "drive");
-  const test::McapFile file = test::readMcapFile(contentsOf(folder / "drive/drive_0.mcap"));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder / "drive/drive_0.mcap"));
   EXPECT_EQ(file.profile, "ros2");
   ASSERT_EQ(file.messages.size(), 2U * (test::kDrivePairs - 1));
   EXPECT_EQ(file.messages[0].schema, "nav_msgs/msg/Odometry");
@@ -126,7 +121,7 @@ TEST(RosBag, HasMetadataOfItsMessages) {
   const test::TemporaryFolder folder;
   exportTo(test::drivenSource(), ExportFormat::rosbag2_mcap, folder / "a 'b\"/");
   const fs::path name = "a 'b\"_0.mcap";
-  const test::McapFile file = test::readMcapFile(contentsOf(folder / "a 'b\"" / name));
+  const test::McapFile file = test::readMcapFile(test::contentsOf(folder / "a 'b\"" / name));
   const YAML::Node bag = YAML::LoadFile(folder / "a 'b\"/metadata.yaml")["rosbag2_bagfile_information"];
   EXPECT_EQ(bag["version"].as<int>(), 5);
   EXPECT_EQ(bag["storage_identifier"].as<std::string>(), "mcap");

@@ -1,6 +1,5 @@
 // `cartvo replay --publish` as a controller and `cartvo watch` receive it, in a network namespace of its own.
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -10,6 +9,7 @@
 
 #include "calib/format/rig_file.hpp"
 #include "support/calib/rigs.hpp"
+#include "support/file_text.hpp"
 #include "support/places.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
@@ -36,14 +36,8 @@ void writePairs(const fs::path& folder) {
   calib::writeRig(folder / "rig.yaml", test::rectifiedRig());
 }
 
-/// Runs a command in a network namespace with loopback only.
-test::CommandResult runIsolated(const std::string& command) {
-  const std::string isolated = (test::sourceFolder() / "tools/in_network_namespace").string();
-  return test::runCommand(isolated + " sh -c '" + command + "' 2>&1");
-}
-
 bool canIsolate() {
-  return runIsolated("true").exit_code == 0;
+  return test::runIsolated("true").exit_code == 0;
 }
 
 TEST(LivePublisher, PublishesAtTheRecordedPaceWithInstantsOfNow) {
@@ -52,12 +46,11 @@ TEST(LivePublisher, PublishesAtTheRecordedPaceWithInstantsOfNow) {
   writePairs(folder.path());
   const std::string cartvo = test::cartvoProgram().string(), here = folder.path().string();
   const std::string url = " --url \"udpm://239.255.76.67:7668?ttl=0\"";
-  const test::CommandResult run = runIsolated(
+  const test::CommandResult run = test::runIsolated(
       "cd " + here + "; " + cartvo + " watch --json --output-dir watched --wait 60 --until-silent 2" + url +
       " >watch.json 2>watch.txt & sleep 1; " + cartvo + " replay . --output-dir out --publish --speed 0.5" +
       url + " >replay.txt 2>&1; wait");
-  std::ifstream stream(folder / "watch.json");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = test::contentsOf(folder / "watch.json");
   ASSERT_FALSE(text.empty()) << run.output;
   const auto summary = nlohmann::json::parse(text);
   EXPECT_EQ(summary["messages"], kPairs);
@@ -83,7 +76,7 @@ TEST(Watch, RequiresValidPairsForItsExitCode) {
   const test::TemporaryFolder folder;
   writePairs(folder.path());
   const std::string cartvo = test::cartvoProgram().string(), here = folder.path().string();
-  const test::CommandResult run = runIsolated(
+  const test::CommandResult run = test::runIsolated(
       "cd " + here + "; (sleep 1; " + cartvo + " replay . --output-dir out --publish >replay.txt 2>&1) & " +
       cartvo + " watch --plain --wait 60 --until-silent 1 --require-valid 50");
   EXPECT_EQ(run.exit_code, 1);

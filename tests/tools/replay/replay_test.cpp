@@ -19,6 +19,7 @@
 #include "capture/recording/stream_recorder.hpp"
 #include "common/atomic_file.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/pipeline/alert_limits.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
@@ -33,11 +34,6 @@ namespace cartvo {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
@@ -154,12 +150,12 @@ TEST_F(ReplayOfKitti, IsBitwiseReproducibleWithAnyNumberOfThreads) {
     cv::setNumThreads(count);
     const std::filesystem::path file = folder_ / ("out" + std::to_string(poses.size()));
     writeKitti(file, leftCameraTrajectory(replayed(folder_.path())));
-    poses.push_back(contents(file));
+    poses.push_back(test::contentsOf(file));
   }
   cv::setNumThreads(threads);
   poses.push_back([&] {
     writeKitti(folder_ / "out", leftCameraTrajectory(replayOfAll()));
-    return contents(folder_ / "out");
+    return test::contentsOf(folder_ / "out");
   }());
   EXPECT_EQ(poses[0], poses[1]);
   EXPECT_EQ(poses[1], poses[2]);
@@ -345,7 +341,7 @@ TEST(Replay, RemovesEmptyOutputFolderAfterFailure) {
     const OutputFolder output(folder / "mine/new/deep");
     std::ofstream(output / "poses.txt") << "1";
   }
-  EXPECT_EQ(contents(folder / "mine/new/deep/poses.txt"), "1");
+  EXPECT_EQ(test::contentsOf(folder / "mine/new/deep/poses.txt"), "1");
 }
 
 TEST(Replay, RejectsFileAsOutputFolder) {

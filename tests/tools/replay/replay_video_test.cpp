@@ -9,6 +9,7 @@
 
 #include "common/command_line/command_line_error.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "tools/cartvo/interruption.hpp"
 #include "tools/replay/video/mp4_writer.hpp"
@@ -36,8 +37,7 @@ TEST(Mp4Writer, GivesTheFileItsNameWhenItIsComplete) {
     writer.finish();
   }
   EXPECT_EQ(fileCount(folder.path()), 1u);
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string bytes = test::contentsOf(file);
   EXPECT_EQ(bytes.substr(4, 4), "ftyp");
   EXPECT_THAT(bytes, HasSubstr("moov"));
 }

@@ -1,4 +1,5 @@
-// Replays of one drive in the layouts of other data sets: the results do not depend on the layout.
+// Replays of one drive in the layouts of other data sets: the results do not depend on the layout. The
+// readouts in the summary of a replay.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/summary.hpp"
 
 namespace cartvo {
 namespace {
@@ -107,6 +109,18 @@ TEST_F(ReplayedLayout, SideBySideGivesTheSamePoses) {
   settings.source = folder_ / "both";
   settings.side_by_side = true;
   expectEqualPoses(replayed(settings), kitti);
+}
+
+TEST(ReplaySummary, HasTheReadoutsOfTheRigAndTheLastEstimates) {
+  Replay replay;
+  replay.rig.rig.left.readout = 0.03;
+  replay.pairs.resize(3);
+  replay.pairs[1].readouts = vo::ReadoutEstimates{{0.0321, 1e-4}, {-0.0384, 2e-4}};
+  const nlohmann::ordered_json readouts = replaySummary({}, replay)["readouts"];
+  EXPECT_NEAR(readouts["rig_left_ms"].get<double>(), 30.0, 1e-9);
+  EXPECT_TRUE(readouts["rig_right_ms"].is_null());
+  EXPECT_NEAR(readouts["left_ms"]["value"].get<double>(), 32.1, 1e-9);
+  EXPECT_NEAR(readouts["right_ms"]["deviation"].get<double>(), 0.2, 1e-9);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "capture/recording/recording_folder.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/pattern_content.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools/run_cartvo.hpp"
@@ -72,12 +73,8 @@ TEST_F(RecordedDriveTest, IsWrittenToTheSameBytes) {
   recordFolder(folder_ / "again", content_, streams_);
   for (const auto& entry : fs::recursive_directory_iterator(drive_)) {
     if (!entry.is_regular_file()) continue;
-    const auto text = [](const fs::path& file) {
-      std::ifstream input(file, std::ios::binary);
-      return std::string(std::istreambuf_iterator<char>(input), {});
-    };
     const fs::path relative = fs::relative(entry.path(), drive_);
-    EXPECT_TRUE(text(entry.path()) == text(folder_ / "again" / relative)) << relative;
+    EXPECT_TRUE(test::contentsOf(entry.path()) == test::contentsOf(folder_ / "again" / relative)) << relative;
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <fstream>
 #include <iterator>
 #include <random>
 #include <set>
@@ -15,6 +14,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "support/file_text.hpp"
 #include "support/places.hpp"
 
 namespace cartvo::vo {
@@ -303,8 +303,7 @@ std::string tableText() {
 }
 
 TEST(IntegrityTable, IsTheOneOfTheDocumentation) {
-  std::ifstream file(test::sourceFolder() / "docs/integrity.md");
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::string page = test::contentsOf(test::sourceFolder() / "docs/integrity.md");
   EXPECT_NE(page.find(tableText()), std::string::npos) << "docs/integrity.md should contain:\n"
                                                        << tableText();
 }

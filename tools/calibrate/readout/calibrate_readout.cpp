@@ -1,7 +1,14 @@
 // `cartvo calibrate readout`: measures the readout of rolling shutters with a lamp on the mains.
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <future>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -10,14 +17,105 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/format/rig_file.hpp"
+#include "capture/camera_source.hpp"
 #include "common/command_line/parser.hpp"
+#include "daemon/service/configuration.hpp"
+#include "daemon/service/live_camera.hpp"
+#include "tools/calibrate/camera_files.hpp"
 #include "tools/calibrate/readout/mains_bands.hpp"
-#include "tools/calibrate/readout/profile_source.hpp"
 #include "tools/calibrate/rig_update.hpp"
 #include "tools/calibrate/subcommands.hpp"
 #include "tools/cartvo/json_text.hpp"
 #include "tools/cartvo/progress_bar.hpp"
 #include "tools/cartvo/result_files.hpp"
+
+namespace cartvo::calibrate {
+namespace {
+
+// Reads row profiles from live cameras, recordings, image folders and videos.
+
+constexpr std::size_t kMaxProfiles = 400;
+
+/// Profiles of both cameras; empty for a camera that was not read.
+struct StereoProfiles {
+  std::vector<RowProfile> left, right;
+};
+
+/// Called during the work: how much of it is done, in pictures of both cameras, or in seconds of live
+/// cameras. `total`: 0 if unknown.
+using ProfileProgress = std::function<void(std::size_t done, std::size_t total)>;
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// Profiles of the first good pictures of a camera, at most kMaxProfiles, until it ends or `seconds` have
+/// passed by the host's clock. Calls `picture_read` after each. Throws std::runtime_error if the size of its
+/// pictures changes.
+std::vector<RowProfile> readProfiles(capture::CameraSource& camera, double seconds,
+                                     const std::function<void()>& picture_read) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  std::vector<RowProfile> profiles;
+  cv::Size size;
+  std::int64_t begin_ns = 0;
+  capture::Frame frame;
+  while (profiles.size() < kMaxProfiles &&
+         std::chrono::duration<double>(Clock::now() - begin).count() < seconds) {
+    const capture::ReadOutcome outcome = camera.read(frame, std::chrono::milliseconds(200));
+    if (outcome == capture::ReadOutcome::ended) break;
+    if (outcome != capture::ReadOutcome::frame || frame.status != capture::FrameStatus::good) continue;
+    if (profiles.empty()) {
+      size = frame.image.size();
+      // Without the slew of the clock model: the bands move by the camera's own clock.
+      begin_ns = frame.exposure_ns - frame.slew_ns;
+    }
+    if (frame.image.size() != size) throw std::runtime_error("the size of the pictures changes");
+    profiles.push_back(
+        rowProfile(frame.image, 1e-9 * static_cast<double>(frame.exposure_ns - frame.slew_ns - begin_ns)));
+    picture_read();
+  }
+  return profiles;
+}
+
+/// Profiles from what openCameraFiles opens, with its arguments. Throws what it throws.
+StereoProfiles profilesOfFiles(const std::filesystem::path& source, const std::filesystem::path& right,
+                               double frame_rate, const ProfileProgress& progress) {
+  const CameraFiles cameras = openCameraFiles(source, right, frame_rate);
+  StereoProfiles profiles;
+  const std::size_t total = std::min(cameras.pictures, kMaxProfiles) * (cameras.right ? 2 : 1);
+  std::size_t done = 0;
+  const auto picture_read = [&] { progress(++done, total); };
+  profiles.left = readProfiles(*cameras.left, kForever, picture_read);
+  if (cameras.right) profiles.right = readProfiles(*cameras.right, kForever, picture_read);
+  return profiles;
+}
+
+/// Profiles from the cameras of a configuration file, during `seconds`. Throws what LiveCamera throws.
+StereoProfiles profilesOfLiveCameras(const std::filesystem::path& configuration_file, double seconds,
+                                     const ProfileProgress& progress) {
+  const daemon::Configuration configuration =
+      daemon::readConfiguration(configuration_file, daemon::RigKey::optional);
+  capture::StereoTimestamper clock(configuration.clock);
+  daemon::LiveCamera left(configuration, capture::CameraSide::left, {}, clock);
+  daemon::LiveCamera right(configuration, capture::CameraSide::right, {}, clock);
+  // Both streams have to be read all the time.
+  std::future<std::vector<RowProfile>> left_profiles =
+      std::async(std::launch::async, [&] { return readProfiles(left.source(), seconds, [] {}); });
+  std::future<std::vector<RowProfile>> right_profiles =
+      std::async(std::launch::async, [&] { return readProfiles(right.source(), seconds, [] {}); });
+  const auto total = static_cast<std::size_t>(std::ceil(seconds));
+  for (std::size_t second = 0; second < total; ++second) {
+    progress(second, total);
+    const auto is_done = [](const auto& profiles, std::chrono::milliseconds wait) {
+      return profiles.wait_for(wait) == std::future_status::ready;
+    };
+    if (is_done(left_profiles, std::chrono::seconds(1)) && is_done(right_profiles, std::chrono::seconds(0)))
+      break;
+  }
+  return {left_profiles.get(), right_profiles.get()};
+}
+
+}  // namespace
+}  // namespace cartvo::calibrate
 
 namespace cartvo {
 namespace {

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "capture/isapi/http_connection.hpp"
-#include "daemon/diagnostics/readout_check.hpp"
-#include "daemon/publish/camera_health_names.hpp"
+#include "daemon/diagnostics/measurement_checks.hpp"
+#include "daemon/publish/message_names.hpp"
 
 namespace cartvo::doctor {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cartvo/health_t.hpp>
 
-#include "daemon/diagnostics/readout_check.hpp"
+#include "daemon/diagnostics/measurement_checks.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/doctor/finding_list.hpp"
 

@@ -2,20 +2,67 @@
 #include "tools/export/ros/ros_bag.hpp"
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "common/atomic_file.hpp"
+#include "common/strict_yaml.hpp"
 #include "tools/export/exported_motion.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
 #include "tools/export/mcap/picture_channels.hpp"
-#include "tools/export/ros/bag_metadata.hpp"
 #include "tools/export/ros/ros_messages.hpp"
 
 namespace cartvo {
 namespace {
+
+// Writes the metadata of a bag of ROS 2.
+
+/// A topic of a bag of ROS 2.
+struct BagTopic {
+  std::string name;
+  std::string type;  ///< such as "nav_msgs/msg/Odometry"
+  std::uint64_t messages = 0;
+};
+
+/// Content of a bag with one MCAP file.
+struct BagMetadata {
+  std::string file;                   ///< without a folder
+  std::uint64_t first = 0, last = 0;  ///< times of the messages, ns since the Unix epoch; 0 without messages
+  std::vector<BagTopic> topics;
+};
+
+/// The lines of time and count, each after `indent`.
+std::string span(const BagMetadata& metadata, std::uint64_t messages, const std::string& indent) {
+  return indent + "duration:\n" + indent +
+         "  nanoseconds: " + std::to_string(metadata.last - metadata.first) + "\n" + indent +
+         "starting_time:\n" + indent + "  nanoseconds_since_epoch: " + std::to_string(metadata.first) + "\n" +
+         indent + "message_count: " + std::to_string(messages) + "\n";
+}
+
+std::string topicText(const BagTopic& topic) {
+  return "    - topic_metadata:\n        name: " + topic.name + "\n        type: " + topic.type +
+         "\n        serialization_format: cdr\n        offered_qos_profiles: \"\"\n      message_count: " +
+         std::to_string(topic.messages) + "\n";
+}
+
+/// The file metadata.yaml of a bag, which `ros2 bag` looks for. Version 5, that of ROS 2 Humble: later ones
+/// read it, too.
+std::string bagMetadataText(const BagMetadata& metadata) {
+  std::uint64_t messages = 0;
+  std::string topics;
+  for (const BagTopic& topic : metadata.topics) {
+    messages += topic.messages;
+    topics += topicText(topic);
+  }
+  const std::string file = quotedYaml(metadata.file);
+  return "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n" +
+         span(metadata, messages, "  ") + "  topics_with_message_count:\n" + topics +
+         "  compression_format: \"\"\n  compression_mode: \"\"\n  relative_file_paths:\n    - " + file +
+         "\n  files:\n    - path: " + file + "\n" + span(metadata, messages, "      ");
+}
 
 /// Adds topics, and the definition of each type once.
 class Topics {

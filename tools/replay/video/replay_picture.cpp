@@ -9,11 +9,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/units.hpp"
+#include "daemon/publish/message_names.hpp"
 #include "daemon/publish/odometry_publisher.hpp"
-#include "daemon/publish/odometry_reasons.hpp"
 #include "tools/report/axis.hpp"
 #include "tools/report/canvas.hpp"
-#include "tools/report/series_reduction.hpp"
 
 namespace cartvo {
 namespace {

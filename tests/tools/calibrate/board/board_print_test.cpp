@@ -1,8 +1,12 @@
-// Printed boards: OpenCV's detectors find each corner at its specified position.
+// Printed boards: OpenCV's detectors find each corner at its specified position. Layout of boards on pages.
+// The command `cartvo calibrate board`.
 #include "tools/calibrate/board/board_print.hpp"
+
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -10,12 +14,15 @@
 
 #include "calib/board/marker_dictionary.hpp"
 #include "support/error_message.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/test_data.hpp"
+#include "support/tools/run_cartvo.hpp"
+#include "tools/calibrate/board/board_sheet.hpp"
 
 namespace cartvo::calibrate {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 constexpr double kDotsPerInch = 100.0, kPixelsPerMm = kDotsPerInch / 25.4;
 constexpr double kTolerance = 0.15;  // px; 0.04 mm
@@ -148,5 +155,88 @@ TEST(PrintedBoard, RefusesAnotherFileType) {
             "a board is written as .pdf, .svg or .png, not '.jpg'");
 }
 
+BoardSheet sheetOf(const char* board, const char* page) {
+  return layOutBoard(calib::parseBoardSpec(board), page);
+}
+
+TEST(BoardSheet, UsesTheSmallestPageInTheFittingOrientation) {
+  EXPECT_EQ(sheetOf("chessboard:9x6:0.025", "auto").page.name, "A4");
+  EXPECT_EQ(sheetOf("chessboard:9x6:0.025", "auto").page.size, cv::Size2d(297, 210));
+  EXPECT_EQ(sheetOf("chessboard:6x9:0.025", "auto").page.size, cv::Size2d(210, 297));
+  EXPECT_EQ(sheetOf("charuco:11x8:0.03:0.022", "auto").page.name, "A3");
+  EXPECT_EQ(sheetOf("aprilgrid:6x6:0.088:0.3", "auto").page.name, "A0");
+}
+
+TEST(BoardSheet, KeepsThePatternSizeAndSeparatesItFromTheRulers) {
+  for (const char* page : {"auto", "A2", "700x900"}) {
+    const BoardSheet sheet = sheetOf("chessboard:9x6:0.025", page);
+    EXPECT_NEAR(sheet.pattern.width, 250.0, 1e-9);
+    EXPECT_NEAR(sheet.pattern.height, 175.0, 1e-9);
+    const cv::Rect2d paper({0.0, 0.0}, sheet.page.size);
+    for (const cv::Rect2d& part : {sheet.pattern, sheet.horizontal_ruler, sheet.vertical_ruler})
+      EXPECT_EQ(part & paper, part);
+    EXPECT_GE(sheet.horizontal_ruler.y, sheet.pattern.br().y + 4.0);
+    EXPECT_LE(sheet.vertical_ruler.br().x, sheet.pattern.x - 4.0);
+    EXPECT_EQ(sheet.horizontal_ruler.width, 200.0);
+    EXPECT_EQ(sheet.vertical_ruler.height, 170.0);
+  }
+}
+
+TEST(BoardSheet, RefusesAPageThatIsTooSmallWithTheAvailableSize) {
+  EXPECT_EQ(test::messageOf([] { sheetOf("charuco:11x8:0.03:0.022", "A4"); }),
+            "the board is 330.0 x 240.0 mm and does not fit on A4, which has room for 273.0 x 178.0 mm");
+  EXPECT_THAT(test::messageOf([] { sheetOf("aprilgrid:6x6:0.5:0.3", "auto"); }),
+              HasSubstr("does not fit on A0"));
+  EXPECT_THAT(test::messageOf([] { sheetOf("chessboard:9x6:0.025", "250x175"); }),
+              HasSubstr("does not fit on 250x175 mm"));
+  EXPECT_THAT(test::messageOf([] { sheetOf("chessboard:9x6:0.025", "A7"); }),
+              HasSubstr("page 'A7': expected A4, A3, A2, A1, A0, auto, or WIDTHxHEIGHT in mm"));
+  EXPECT_THAT(test::messageOf([] { sheetOf("chessboard:9x6:0.025", "10x10"); }),
+              HasSubstr("each side must have 50 to 5000 mm"));
+}
+
 }  // namespace
 }  // namespace cartvo::calibrate
+
+namespace cartvo {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(CalibrateBoardCommand, WritesABoardAndPrintsInstructions) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.pdf";
+  const test::CommandResult run =
+      test::runCartvo("calibrate board --board chessboard:9x6:0.025 --output " + file);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("chessboard:9x6:0.025, 250.0 x 175.0 mm on A4. Print it at 100 %"));
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST(CalibrateBoardCommand, PrintsJson) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.svg";
+  const auto json = nlohmann::json::parse(
+      test::pipeCartvo("calibrate board --board chessboard:9x6:0.025 --json --output " + file).output);
+  EXPECT_EQ(json["output"], file);
+  EXPECT_EQ(json["paper"], "A4");
+  EXPECT_NEAR(json["pattern_mm"][0].get<double>(), 250.0, 1e-9);
+}
+
+TEST(CalibrateBoardCommand, RefusesBoardsThatCannotBePrinted) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "board.pdf";
+  const test::CommandResult large =
+      test::runCartvo("calibrate board --board charuco:11x8:0.03:0.022 --paper A4 --output " + file);
+  EXPECT_EQ(large.exit_code, 1);
+  EXPECT_THAT(large.output, HasSubstr("does not fit on A4"));
+  const test::CommandResult unknown =
+      test::runCartvo("calibrate board --board circles:4x11:0.02 --output " + file);
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.output, HasSubstr("unknown kind 'circles'"));
+  EXPECT_EQ(test::runCartvo("calibrate board --output " + file).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace cartvo

@@ -1,20 +1,108 @@
-// Kannala and Brandt's distortion, compared with OpenCV's fisheye module.
-#include "calib/model/wide_distortion.hpp"
+// Distortion of lenses by Brown's and the wide model, and projection through them.
+#include "calib/model/lens.hpp"
 
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "calib/model/arc_tangent.hpp"
-#include "calib/model/lens.hpp"
+#include "calib/model/brown_distortion.hpp"
+#include "calib/model/projection.hpp"
+#include "calib/model/wide_distortion.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "support/calib/rigs.hpp"
 
 namespace cartvo::calib {
 namespace {
+
+TEST(BrownDistortion, DistortsLikeOpenCv) {
+  const Rig rig = test::cartRig();
+  CameraModel camera = rig.left;
+  camera.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01, 0.02, 0.01, -0.003};
+  const BrownDistortion lens(camera);
+  for (const NormalisedPoint ideal : {NormalisedPoint{0.0, 0.0}, {0.5, 0.3}, {-0.6, 0.1}, {0.2, -0.4}}) {
+    std::vector<cv::Point2d> expected;
+    cv::projectPoints(std::vector<cv::Point3d>{{ideal.x, ideal.y, 1.0}}, cv::Vec3d(), cv::Vec3d(),
+                      cv::Matx33d::eye(), camera.distortion, expected);
+    const NormalisedPoint distorted = lens.distort(ideal);
+    EXPECT_NEAR(distorted.x, expected[0].x, 1e-12);
+    EXPECT_NEAR(distorted.y, expected[0].y, 1e-12);
+  }
+}
+
+TEST(BrownDistortion, UndistortInvertsDistort) {
+  const BrownDistortion lens(test::cartRig().left);
+  for (int row = -3; row <= 3; ++row) {
+    for (int column = -5; column <= 5; ++column) {
+      const double x = 0.15 * column, y = 0.15 * row;
+      const NormalisedPoint back = lens.undistort(lens.distort({x, y}));
+      EXPECT_NEAR(back.x, x, 1e-11);
+      EXPECT_NEAR(back.y, y, 1e-11);
+    }
+  }
+}
+
+TEST(BrownDistortion, EndsWhereTheModelFolds) {
+  CameraModel camera;
+  camera.distortion = {-0.3};
+  const BrownDistortion lens(camera);
+  // r (1 - 0.3 r^2) turns back at r = 1 / sqrt(0.9).
+  EXPECT_NEAR(lens.maxRadius(), 1.0 / std::sqrt(0.9), 2e-3);
+  EXPECT_NEAR(lens.distort({5.0, 0.0}).x, lens.distort({lens.maxRadius(), 0.0}).x, 1e-12);
+  EXPECT_THROW(lens.undistort({0.8, 0.0}), std::invalid_argument);
+}
+
+class Projection : public ::testing::TestWithParam<LensModel> {
+ protected:
+  static CameraModel camera() {
+    if (GetParam() == LensModel::wide) return test::wideRig().left;
+    CameraModel brown = test::cartRig().left;
+    brown.distortion = {-0.2, 0.05, 0.001, -0.002, 0.01, 0.02, 0.01, -0.003};
+    return brown;
+  }
+};
+
+TEST_P(Projection, AgreesWithLens) {
+  const Eigen::Vector3d point(0.4, -0.3, 1.2);
+  const NormalisedPoint distorted = Lens(camera()).distort(point);
+  const Eigen::Vector2d pixel = project(camera(), point)->pixel;
+  EXPECT_NEAR(pixel.x(), camera().fx * distorted.x + camera().cx, 1e-9);
+  EXPECT_NEAR(pixel.y(), camera().fy * distorted.y + camera().cy, 1e-9);
+}
+
+TEST_P(Projection, DerivativesAgreeWithFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  for (const Eigen::Vector3d& point :
+       {Eigen::Vector3d(0.4, -0.3, 1.2), {-0.7, 0.1, 0.8}, {1e-12, 0.0, 2.0}}) {
+    const LensProjection projection = *project(camera(), point);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
+      const Eigen::Vector2d difference =
+          (project(camera(), point + step)->pixel - project(camera(), point - step)->pixel) / (2.0 * kStep);
+      EXPECT_LT((projection.J_point.col(k) - difference).norm(), 1e-4) << point.transpose() << " by " << k;
+    }
+    const int parameters = GetParam() == LensModel::wide ? 8 : kCameraParameters;
+    for (int k = 0; k < parameters; ++k) {
+      CameraModel more = camera(), less = camera();
+      const CameraParameters step = kStep * CameraParameters::Unit(k);
+      setParameters(parametersOf(camera()) + step, more);
+      setParameters(parametersOf(camera()) - step, less);
+      const Eigen::Vector2d difference =
+          (project(more, point)->pixel - project(less, point)->pixel) / (2.0 * kStep);
+      EXPECT_LT((projection.J_camera.col(k) - difference).norm(), 1e-4) << point.transpose() << " by " << k;
+    }
+  }
+}
+
+TEST_P(Projection, IsUndefinedBehindTheCamera) {
+  EXPECT_FALSE(project(camera(), {0.0, 0.0, -1.0}));
+}
+
+INSTANTIATE_TEST_SUITE_P(, Projection, ::testing::Values(LensModel::brown, LensModel::wide),
+                         [](const auto& lens) { return lens.param == LensModel::wide ? "Wide" : "Brown"; });
 
 TEST(PortableArcTangent, AgreesWithTheLibrary) {
   for (const double x : {1e-9, 0.01, 0.3, 1.0, 2.5, 40.0, 1e6})

@@ -1,6 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 namespace cartvo::daemon {
+
+/// Names of the bits in odometry_t.reasons, for example "too few matches, high residual".
+std::string reasonNames(std::int32_t reasons);
 
 /// Name of a value of camera_health_t.state, such as "streaming"; "unknown" for one of a later version.
 const char* cameraStateName(int state);

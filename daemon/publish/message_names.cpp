@@ -1,10 +1,22 @@
-// Names of values in health messages.
-#include "daemon/publish/camera_health_names.hpp"
+// Names of values in messages: reasons, states, sources of instants.
+
+#include "daemon/publish/message_names.hpp"
 
 #include <array>
 #include <cstddef>
 
+#include "vo_core/odometry_reason.hpp"
+
 namespace cartvo::daemon {
+
+std::string reasonNames(std::int32_t reasons) {
+  std::string names;
+  for (const vo::OdometryReasonText& text : vo::kOdometryReasons)
+    if ((reasons & static_cast<std::int32_t>(text.reason)) != 0)
+      names += (names.empty() ? "" : ", ") + std::string(text.words);
+  return names;
+}
+
 namespace {
 
 template <std::size_t count>

@@ -246,9 +246,14 @@ std::string StereoTimestamper::problem() const {
   const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;
   if (!reports_matter || !reports_ || reports_agree_ || std::abs(difference) < kReportedDisagreement_ns)
     return uncertaintyProblem();
-  return "the cameras' clocks disagree by " + inSeconds(difference) +
-         ": synchronise both to one NTP server near them; until then exposures are computed from " +
-         (source_ == InstantSource::pictures ? "the image content" : "arrival times");
+  const std::string text = "the cameras' clocks disagree by " + inSeconds(difference);
+  if (std::abs(difference) < kMaxLatencyDifference_ns || std::abs(difference) > kMaxLatency_ns)
+    return text + ": synchronise both to one NTP server near them; until then exposures are computed from " +
+           (source_ == InstantSource::pictures ? "the image content" : "arrival times");
+  const bool may_be_used = choice_ != ClockChoice::ntp && std::abs(difference) < kMaxReportOffset_ns;
+  return text + ", or " + nameOf(difference > 0.0 ? 0 : 1) +
+         "'s pictures come late: synchronise both by NTP; if they are, " +
+         (may_be_used ? "set cameras.clock: ntp" : "connect to it without a re-streamer");
 }
 
 /// Why a camera's sender reports do not tell its exposures; empty if they do, or may yet.

@@ -142,7 +142,7 @@ TEST(StereoTimestamper, NamesALateCameraBesideDisagreeingClocks) {
   StereoTimestamper timestamper(ClockChoice::automatic);
   SimulatedPair(timestamper, leftFaults(), right).until(60.0);
   EXPECT_THAT(timestamper.status().problem, HasSubstr("or the right camera's pictures come late"));
-  EXPECT_THAT(timestamper.status().problem, HasSubstr("if they are, set cameras.clock: ntp"));
+  EXPECT_THAT(timestamper.status().problem, HasSubstr("if they are, connect without a re-streamer"));
 }
 
 TEST(StereoTimestamper, SlewsWhenReportsBegin) {

@@ -252,7 +252,7 @@ class RtspCamera::Receiver {
       return "sends pictures of " + sizeText(refused) + ", which are too large: at most " +
              std::to_string(settings_.max_pixels / 1000) + " thousand pixels are accepted";
     }
-    const std::string nothing = "sent no picture for " + std::to_string(frameTimeout().count()) + " ms";
+    std::string nothing = "sent no picture for " + std::to_string(frameTimeout().count()) + " ms";
     const auto progress = stream_->progress();
     const bool is_left_out = session_->remarks().count(StreamRemarks::Kind::structure) > 0;
     if (progress == PictureStream::Progress::nothing && settings_.transport == RtspTransport::udp)

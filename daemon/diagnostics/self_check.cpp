@@ -22,7 +22,7 @@ constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger one
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
 constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
 constexpr double kShareMemory = 0.05;                                // per pair, of shares of the last pairs
-constexpr double kMinValidShare = 0.5;  // of pairs whose estimate of the angles is believed
+constexpr double kMinValidShare = 0.5;  // of pairs; below, their angles are not reported
 constexpr double kHysteresis = 0.7;     // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;

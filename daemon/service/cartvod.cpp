@@ -129,7 +129,7 @@ int run(const CommandLine& command_line) {
     std::printf("%s: in order\n", command_line.configuration.c_str());
     return kStopped;
   }
-  // The odometry goes on when nobody reads the log any more, as of a pipe to a program that has ended.
+  // The odometry goes on if the log is no longer read, as by a program at a pipe that has ended.
   std::signal(SIGPIPE, SIG_IGN);
   try {
     cartvo::daemon::setUpLog(configuration.log_level);

@@ -228,7 +228,7 @@ def broken_reload(drive):
         daemon.signal(signal.SIGHUP)
         await_(lambda before=before: daemon.text().count("the old one stays in force") > before, "the error")
         drive.await_valid(begin, FRAME_RATE)
-    daemon.signal(signal.SIGPIPE)  # as of a log that nobody reads any more
+    daemon.signal(signal.SIGPIPE)  # as of a log that is no longer read
     drive.await_valid(time.time(), FRAME_RATE)
     assert daemon.process.poll() is None
     assert sequences_have_no_gap(drive.listener.messages)

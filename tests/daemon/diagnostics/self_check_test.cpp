@@ -119,7 +119,7 @@ TEST(SelfCheck, ReportsRotationOfRightCamera) {
       HasSubstr("deg in yaw"));
 }
 
-TEST(SelfCheck, BelievesNoRotationFromPairsThatAreNotValid) {
+TEST(SelfCheck, ReportsNoRotationFromPairsThatAreNotValid) {
   SelfCheck check;
   vo::OdometryEstimate estimate =
       estimateWith(rigWith(&vo::RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 1e-4));

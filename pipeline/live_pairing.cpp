@@ -26,6 +26,21 @@ std::int64_t meanInterval(const std::deque<std::int64_t>& instants) {
   return (instants.back() - instants.front() - longest) / static_cast<std::int64_t>(instants.size() - 2);
 }
 
+/// How many pictures arrive at a time, if at least kMinTogether do and not for once, as after a pause of this
+/// process; else nothing.
+std::optional<std::size_t> picturesAtATime(const std::deque<std::int64_t>& arrivals) {
+  constexpr std::size_t kMinTogether = 4, kMinBursts = 2;
+  const std::int64_t mean_ns = meanInterval(arrivals);
+  std::size_t together = 1, bursts = 0, in_bursts = 0;
+  for (std::size_t i = 1; i < arrivals.size(); ++i) {
+    const std::int64_t interval_ns = arrivals[i] - arrivals[i - 1];
+    const bool ends_burst = interval_ns > mean_ns && together >= kMinTogether;
+    if (ends_burst) ++bursts, in_bursts += together;
+    together = interval_ns < mean_ns / 4 ? together + 1 : 1;
+  }
+  return bursts >= kMinBursts ? std::optional(in_bursts / bursts) : std::nullopt;
+}
+
 }  // namespace
 
 PairingTotals totals(const capture::PairSynchroniser& synchroniser) {
@@ -120,6 +135,14 @@ std::string LivePairing::problem() const {
 
 std::string LivePairing::pairingProblem() const {
   const std::lock_guard lock(mutex_);
+  for (const capture::CameraSide which : {capture::CameraSide::left, capture::CameraSide::right}) {
+    const std::optional<std::size_t> together = picturesAtATime(side(which).arrivals);
+    if (!together) continue;
+    return std::string("the ") + capture::sideName(which) + " camera's pictures arrive " +
+           std::to_string(*together) +
+           " at a time, so that most are skipped or come too late: connect to the camera itself, without a "
+           "re-streamer, and relieve its network";
+  }
   std::int64_t latest_ns = 0;
   for (const capture::CameraSide which : {capture::CameraSide::left, capture::CameraSide::right}) {
     const std::uint64_t received = synchroniser_.counts(which).received;

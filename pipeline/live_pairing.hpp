@@ -57,7 +57,8 @@ class LivePairing {
   /// Describes a stream whose latest frame was rejected for its size; empty if there is none.
   std::string problem() const;
 
-  /// Why no frames have been paired for seconds although both cameras deliver some; empty if they have.
+  /// Why frames are paired seldom: they arrive in bursts, or none have been paired for seconds although both
+  /// cameras deliver some; empty otherwise.
   std::string pairingProblem() const;
 
  private:

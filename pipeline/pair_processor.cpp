@@ -9,6 +9,7 @@
 #include "calib/rectification/rectifier.hpp"
 #include "common/picture_digest.hpp"
 #include "common/threads/parallel_loop.hpp"
+#include "pipeline/lamp_bands.hpp"
 #include "pipeline/rectified_camera.hpp"
 #include "pipeline/velocity_at_exposure.hpp"
 
@@ -127,18 +128,19 @@ class PairProcessor::Implementation {
     doBoth(
         [&] {
           images_.left_digest = pictureDigest(pair.left.image);
-          rectifier_.rectifyLeft(pair.left.image, images_.left);
+          rectifier_.rectifyLeft(bands_[0].without(pair.left.image), images_.left);
           if (view != nullptr) images_.left.copyTo(view->left);
         },
         [&] {
           images_.right_digest = pictureDigest(pair.right.image);
-          rectifier_.rectifyRight(pair.right.image, images_.right);
+          rectifier_.rectifyRight(bands_[1].without(pair.right.image), images_.right);
           if (view != nullptr) images_.right.copyTo(view->right);
         });
     clock_.end(vo::Stage::rectify);
   }
 
   calib::Rectifier rectifier_;
+  std::array<LampBands, 2> bands_;
   std::array<cv::Mat, 2> used_;  ///< masks of the raw pictures; may be empty
   Eigen::Isometry3d T_left_rectified_;
   Eigen::Isometry3d T_body_rectified_;

@@ -98,7 +98,8 @@ class OdometryReasons {
   /* the left image comes from the right camera and vice versa */                                    \
   X(swapped,                                                                                         \
     "the left and the right picture are exchanged, or from one camera: check cameras.left.url and "  \
-    "cameras.right.url; if they are right, a camera is turned outwards: calibrate again")            \
+    "cameras.right.url; if they are right, switch mirroring off, or calibrate again, as one is "     \
+    "turned")                                                                                        \
   /* rows disagree by more than self-calibration can correct: another rig's file */                  \
   X(misaligned,                                                                                      \
     "the pictures do not fit the rig file: check that it is the file of these two cameras; if a "    \

@@ -18,6 +18,7 @@ constexpr double kNtpDifferenceStddev_ns = 1e6;  // two clocks that follow one N
 constexpr double kGate = 3.0;                      // standard deviations
 constexpr double kReportedDisagreement_ns = 5e6;   // smaller ones are no problem to report
 constexpr double kMaxLatencyDifference_ns = 20e6;  // plausible between two cameras
+constexpr double kMinLateness_ns = 100e6;          // of one camera whose pictures are held back
 
 constexpr double kSlewRate = 0.005;        // of the elapsed time
 constexpr double kInitialSlewRate = 0.25;  // in the first seconds of a connection
@@ -246,8 +247,12 @@ std::string StereoTimestamper::problem() const {
   const double difference = reports_ ? reports_->value_ns - offset_.value_ns : 0.0;
   if (!reports_matter || !reports_ || reports_agree_ || std::abs(difference) < kReportedDisagreement_ns)
     return uncertaintyProblem();
-  return "the cameras' clocks disagree by " + inSeconds(difference) +
-         ": synchronise both to one NTP server near them; until then exposures are computed from " +
+  const std::string text = "the cameras' clocks disagree by " + inSeconds(difference);
+  const double size_ns = std::abs(difference);
+  if (size_ns > kMinLateness_ns && size_ns < kMaxLatency_ns)
+    return text + ", or " + nameOf(difference > 0.0 ? 0 : 1) +
+           "'s pictures come late; synchronise both by NTP; if they are, connect without a re-streamer";
+  return text + ": synchronise both to one NTP server near them; until then exposures are computed from " +
          (source_ == InstantSource::pictures ? "the image content" : "arrival times");
 }
 

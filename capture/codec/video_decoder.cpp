@@ -239,6 +239,10 @@ cv::Size VideoDecoder::refusedSize() const {
   return implementation_->refused_size;
 }
 
+bool VideoDecoder::hasParameterSets() const {
+  return !implementation_->format.parameter_sets.empty();
+}
+
 bool VideoDecoder::reorders() const {
   return implementation_->reorders;
 }

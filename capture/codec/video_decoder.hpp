@@ -41,6 +41,9 @@ class VideoDecoder {
   /// Number of pictures that could not be decoded at all.
   std::uint64_t failures() const { return failures_; }
 
+  /// Whether the stream or its description has had parameter sets, without which nothing can be decoded.
+  bool hasParameterSets() const;
+
   /// Whether the stream has B-frames: its pictures are not sent in the order of their exposures.
   bool reorders() const;
 

@@ -246,24 +246,24 @@ class RtspCamera::Receiver {
     return whyNoPicture() + (left_out.empty() ? "" : "; left out: " + left_out);
   }
 
-  /// Why no frame came in time: no packets, or packets that give no picture.
-  std::string whyNoPicture() const {
-    const cv::Size refused = stream_->decoder().refusedSize();
-    if (!refused.empty()) {
+  /// No packets, or packets that give no picture.
+  std::string whyNoPicture() {
+    if (const cv::Size refused = stream_->decoder().refusedSize(); !refused.empty()) {
       return "sends pictures of " + sizeText(refused) + ", which are too large: at most " +
              std::to_string(settings_.max_pixels / 1000) + " thousand pixels are accepted";
     }
-    const std::string duration = " for " + std::to_string(frameTimeout().count()) + " ms";
-    switch (stream_->progress()) {
-      case PictureStream::Progress::nothing:
-        return "sent no picture" + duration;
-      case PictureStream::Progress::no_access_point:
-        return "sent no picture" + duration +
-               " that decoding can begin with (key picture, I-frame): set its I-frame interval to one second";
-      case PictureStream::Progress::undecodable:
-        break;
-    }
-    return "sent no picture" + duration + " that can be decoded";
+    std::string nothing = "sent no picture for " + std::to_string(frameTimeout().count()) + " ms";
+    const auto progress = stream_->progress();
+    const bool is_left_out = session_->remarks().count(StreamRemarks::Kind::structure) > 0;
+    if (progress == PictureStream::Progress::nothing && settings_.transport == RtspTransport::udp)
+      return nothing + " over UDP: let its packets through firewalls, or set cameras.transport: tcp";
+    if (progress == PictureStream::Progress::nothing || is_left_out) return nothing;
+    if (progress == PictureStream::Progress::no_access_point)
+      return nothing +
+             " that decoding can begin with (key picture, I-frame): set its I-frame interval to one second";
+    if (!stream_->decoder().hasParameterSets())
+      return nothing + ", as parameter sets (SPS, PPS) are missing; restart it";
+    return nothing + " that can be decoded" + (streaming_ ? "" : ": switch encryption off in the camera");
   }
 
   milliseconds frameTimeout() const {

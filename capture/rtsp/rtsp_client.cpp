@@ -193,7 +193,8 @@ RtspError RtspClient::closedError(std::string_view method, const RtspInput& inpu
       break;
     default:
       text = "no answer from " + camera() + " to " + std::string(method) + " within " +
-             std::to_string(settings_.connect_timeout.count()) + " ms";
+             std::to_string(settings_.connect_timeout.count()) + " ms" +
+             (has_answered_ ? " of the connection; raise cameras.connect_timeout if it is slow" : "");
   }
   return {RtspError::Kind::unreachable, text};
 }

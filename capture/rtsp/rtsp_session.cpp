@@ -60,6 +60,9 @@ struct RtspSession::Connection {
   void describe();
   void setUp();
   void requireSuccess(std::string_view method, const RtspHead& head) const;
+  [[noreturn]] void fail(const std::string& what) const {
+    throw RtspError(RtspError::Kind::unreachable, "the camera at " + rtspHost(settings.url) + " " + what);
+  }
   void takeInterleaved(const RtspInput& input);
   void takeRtp(std::span<const std::uint8_t> bytes, std::int64_t arrival_ns);
   void takeRtcp(std::span<const std::uint8_t> bytes);
@@ -157,18 +160,16 @@ void RtspSession::Connection::describe() {
   requireSuccess("DESCRIBE", response.head);
   std::string offered;
   const std::optional<VideoDescription> video = describedVideo(response.body, offered);
+  if (!video && response.body.empty())
+    fail("describes no stream at all; check the path of its URL, and restart it");
   if (!video) {
-    throw RtspError(RtspError::Kind::unreachable,
-                    "the camera at " + rtspHost(settings.url) + " sends no H.264 or H.265 video" +
-                        (offered.empty() ? "" : " (it offers " + offered + ")") +
-                        "; set its stream to H.264");
+    fail("sends no H.264 or H.265 video" + (offered.empty() ? "" : " (it offers " + offered + ")") +
+         "; set its stream to H.264");
   }
   if (video->is_encrypted) {
-    throw RtspError(
-        RtspError::Kind::unreachable,
-        "the camera at " + rtspHost(settings.url) +
-            " encrypts its video (SRTP, the profile RTP/SAVP), which is not supported; switch SRTP "
-            "off in the camera");
+    fail(
+        "encrypts its video (SRTP, the profile RTP/SAVP), which is not supported; switch SRTP off in the "
+        "camera");
   }
   format = video->format;
   payload_type = video->payload_type;
@@ -192,12 +193,15 @@ void RtspSession::Connection::setUp() {
   const RtspResponse response = client.request("SETUP", stream_url, {{"Transport", transport}}, deadline);
   requireSuccess("SETUP", response.head);
   const std::string_view answer = response.head.header("transport").value_or("");
-  if (isUdp() ? headerParameter(answer, "interleaved").has_value()
-              : !headerParameter(answer, "interleaved") && headerParameter(answer, "server_port")) {
-    throw RtspError(RtspError::Kind::unreachable,
-                    "the camera at " + rtspHost(settings.url) + " answers SETUP with another transport" +
-                        (client.socket().quotes() ? " (" + quotedForMessage(answer) + ")" : "") +
-                        ": set cameras.transport: " + (isUdp() ? "tcp" : "udp"));
+  const bool is_other =
+      isUdp() ? headerParameter(answer, "interleaved").has_value()
+              : !headerParameter(answer, "interleaved") && headerParameter(answer, "server_port").has_value();
+  const bool is_multicast = lowerCase(answer).find("multicast") != std::string::npos;
+  if (is_other || is_multicast) {
+    fail("answers SETUP with another transport" +
+         (client.socket().quotes() ? " (" + quotedForMessage(answer) + "): " : ": ") +
+         (is_multicast ? "switch multicast off in the camera"
+                       : std::string("set cameras.transport: ") + (isUdp() ? "tcp" : "udp")));
   }
   if (isUdp()) {
     const int port = leadingNumber(headerParameter(answer, "server_port")).value_or(0);

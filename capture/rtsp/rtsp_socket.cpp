@@ -285,6 +285,8 @@ RtspInput RtspSocket::notRtsp(std::string_view text) const {
   if (text.starts_with("HTTP/"))
     return invalid("answered by HTTP (" + line +
                    "): this is a web server's port; cameras speak RTSP on port 554");
+  if (text.starts_with("\x15\x03") || text.starts_with("\x16\x03"))
+    return invalid("answered by TLS: this is the port of encrypted streams (RTSPS), set that of RTSP, 554");
   return invalid("sent what is not RTSP: '" + line + "'");
 }
 

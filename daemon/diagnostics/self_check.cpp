@@ -21,8 +21,9 @@ constexpr double kMinAngle = 0.1 / kDegreesPerRadian;
 constexpr double kMatchLossAngle = 0.15 / kDegreesPerRadian;  // rad; larger ones may prevent stereo matches
 constexpr double kMinSignificance = 3.0;                      // standard deviations, of a reported fault
 constexpr double kMinShownStddev = 0.01, kMinShownTimeStddev = 0.1;  // deg, ms
-constexpr double kPartMemory = 0.05;  // per pair, of the share of pairs in which a part stands
-constexpr double kHysteresis = 0.7;   // a reported fault ends below this fraction of its limit
+constexpr double kShareMemory = 0.05;                                // per pair, of shares of the last pairs
+constexpr double kMinValidShare = 0.5;  // of pairs; below, their angles are not reported
+constexpr double kHysteresis = 0.7;     // a reported fault ends below this fraction of its limit
 // A vehicle ahead at the same speed keeps its place for seconds, too.
 constexpr std::int64_t kMinStillTime_ns = 20'000'000'000;
 
@@ -42,9 +43,10 @@ std::string timeOffsetMessage(const vo::EstimateWithStddev& delay) {
 }  // namespace
 
 void SelfCheck::update(const vo::OdometryEstimate& estimate) {
-  const bool is_named = estimate.stereo_fault != vo::StereoFault::suspected;
+  const bool is_named =
+      estimate.stereo_fault != vo::StereoFault::none && estimate.stereo_fault != vo::StereoFault::suspected;
   const vo::StereoFault reported = reportedFault();
-  stereo_fault_ = is_named ? estimate.stereo_fault : vo::StereoFault::none;
+  if (is_named || estimate.valid) stereo_fault_ = is_named ? estimate.stereo_fault : vo::StereoFault::none;
   changed_ = changed_ || reportedFault() != reported;
   if (estimate.rig) updateRig(*estimate.rig);
   if (estimate.readouts) changed_ = readouts_.update(*estimate.readouts) || changed_;
@@ -53,7 +55,8 @@ void SelfCheck::update(const vo::OdometryEstimate& estimate) {
   changed_ = changed_ || areMatchesMissing() != were_missing;
   updateStillRegions(estimate);
   const bool was_part = hidesPart();
-  part_share_ += kPartMemory * ((estimate.part_stands ? 1.0 : 0.0) - part_share_);
+  valid_share_ += kShareMemory * ((estimate.valid ? 1.0 : 0.0) - valid_share_);
+  part_share_ += kShareMemory * ((estimate.part_stands ? 1.0 : 0.0) - part_share_);
   changed_ = changed_ || hidesPart() != was_part;
 }
 
@@ -104,7 +107,9 @@ std::string SelfCheck::stereoFaultMessage() const {
 
 std::string SelfCheck::message() const {
   if (std::string fault = stereoFaultMessage(); !fault.empty()) return fault;
-  const std::string angles = anglesMessage();
+  // Pictures that do not belong together give angles, too.
+  const bool are_angles_known = valid_share_ > kMinValidShare || areMatchesMissing();
+  const std::string angles = are_angles_known ? anglesMessage() : std::string();
   const std::string offset = faulty_[0] ? timeOffsetMessage(rig_->delay) : std::string();
   if (offset.empty() && angles.empty()) {
     const std::string readouts = readouts_.message();

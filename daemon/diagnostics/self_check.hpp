@@ -62,8 +62,9 @@ class SelfCheck {
   StereoMatchMonitor matches_;
   vo::ImageRegions still_regions_;              ///< to report
   std::optional<std::int64_t> still_since_ns_;  ///< exposure of the first pair that had some; empty: none
-  vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named
-  double part_share_ = 0.0;  ///< of the last pairs with OdometryEstimate::part_stands
+  vo::StereoFault stereo_fault_ = vo::StereoFault::none;  ///< named, until a pair is VALID
+  double part_share_ = 0.0;   ///< of the last pairs with OdometryEstimate::part_stands
+  double valid_share_ = 1.0;  ///< of the last pairs
   bool texture_suffices_ = true;
   bool changed_ = false;
 };

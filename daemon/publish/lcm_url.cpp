@@ -55,6 +55,14 @@ LcmGroup parseLcmUrl(const std::string& url) {
   if (parts[1].length() > 0) group.address = parts[1];
   if (parts[3].length() > 0) group.port = std::stoi(parts[3]);
   group.options = parts[4];
+  static const std::regex kName("[?&]([a-z_]+)=");
+  for (std::sregex_iterator name(group.options.begin(), group.options.end(), kName);
+       name != std::sregex_iterator(); ++name) {
+    const std::string option = (*name)[1];
+    if (option != "ttl" && option != "recv_buf_size" && option != "transmit_only")
+      fail(url, "has the option '" + option +
+                    "', which LCM does not know; ttl=1 lets messages leave the computer");
+  }
   std::smatch ttl;
   if (std::regex_search(group.options, ttl, kTtl))
     group.ttl = ttl[1].length() > 3 ? kMaxTtl + 1 : std::stoi(ttl[1]);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -127,6 +129,8 @@ int run(const CommandLine& command_line) {
     std::printf("%s: in order\n", command_line.configuration.c_str());
     return kStopped;
   }
+  // The odometry goes on if the log is no longer read, as by a program at a pipe that has ended.
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     cartvo::daemon::setUpLog(configuration.log_level);
     cartvo::daemon::Daemon daemon(configuration);
@@ -136,6 +140,12 @@ int run(const CommandLine& command_line) {
     daemon.run();
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory: see MemoryMax of the service, and which program uses the memory");
+    return kFailed;
+  } catch (const std::system_error& error) {
+    const bool is_limit = error.code() == std::errc::resource_unavailable_try_again;
+    spdlog::error(
+        "{}{}", error.what(),
+        is_limit ? ": no thread can be started; raise TasksMax or 'ulimit -u', and the memory" : "");
     return kFailed;
   } catch (const std::exception& error) {
     spdlog::error(error.what());

@@ -74,6 +74,23 @@ TEST(LivePairing, SaysWhyNothingPairs) {
   }
 }
 
+TEST(LivePairing, SaysThatPicturesArriveInBursts) {
+  const auto arriving = [](std::int64_t together, std::int64_t pauses) {
+    return [=](std::int64_t index, capture::Frame& right) {
+      const std::int64_t begin = index / together * together;
+      const bool is_held_back = pauses == 0 || index < pauses * together;
+      if (is_held_back) right.arrival_ns = (begin + together - 1) * kPeriod_ns + (index - begin) * 1'000'000;
+    };
+  };
+  TwoCameras bursts, paused, even;
+  bursts.run(6.0, arriving(8, 0));
+  paused.run(3.0, arriving(40, 1));
+  even.run(6.0, unchanged);
+  EXPECT_THAT(bursts.pairing.pairingProblem(), HasSubstr("the right camera's pictures arrive "));
+  EXPECT_EQ(paused.pairing.pairingProblem(), "") << "once is no habit";
+  EXPECT_EQ(even.pairing.pairingProblem(), "");
+}
+
 TEST(LivePairing, SaysSoAlsoBeforeTheFirstPair) {
   TwoCameras cameras;
   cameras.run(6.0, [](std::int64_t, capture::Frame& right) { right.exposure_ns += 3'600'000'000'000; });

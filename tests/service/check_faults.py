@@ -220,7 +220,7 @@ def no_lcm(drive):
 
 
 def broken_reload(drive):
-    """SIGHUP with a broken configuration: an error, and the old configuration in force without a gap."""
+    """SIGHUP with a broken configuration: an error, and the old configuration in force without a gap; also without a log."""
     daemon = drive.start_valid()
     for broken in ("cameras: [", "no_such_key: 1\n", ""):
         begin, before = time.time(), daemon.text().count("the old one stays in force")
@@ -228,6 +228,8 @@ def broken_reload(drive):
         daemon.signal(signal.SIGHUP)
         await_(lambda before=before: daemon.text().count("the old one stays in force") > before, "the error")
         drive.await_valid(begin, FRAME_RATE)
+    daemon.signal(signal.SIGPIPE)  # as of a log that is no longer read
+    drive.await_valid(time.time(), FRAME_RATE)
     assert daemon.process.poll() is None
     assert sequences_have_no_gap(drive.listener.messages)
 

@@ -136,6 +136,15 @@ TEST(StereoTimestamper, StaysAccurateOverFifteenHoursOfNoisyReportsWithWrapsAndS
   EXPECT_THAT(timestamper.status().problem, HasSubstr("the cameras' clocks disagree by "));
 }
 
+TEST(StereoTimestamper, NamesALateCameraBesideDisagreeingClocks) {
+  ClockFaults right = rightFaults();
+  right.clock_error = [](double) { return -0.3; };
+  StereoTimestamper timestamper(ClockChoice::automatic);
+  SimulatedPair(timestamper, leftFaults(), right).until(60.0);
+  EXPECT_THAT(timestamper.status().problem, HasSubstr("or the right camera's pictures come late"));
+  EXPECT_THAT(timestamper.status().problem, HasSubstr("if they are, connect without a re-streamer"));
+}
+
 TEST(StereoTimestamper, SlewsWhenReportsBegin) {
   ClockFaults left = leftFaults();
   left.report_noise = 0.0;

@@ -162,6 +162,8 @@ TEST(RtspServer, OtherProtocolsAreNamed) {
               HasSubstr("answered by HTTP (HTTP/1.1 400 Bad Request): this is a web server's port"));
   EXPECT_THAT(meet([](const std::string&) { return "220 \x01\x02 mail ready\r\n"; }).error,
               HasSubstr("sent what is not RTSP: '220 ?? mail ready'"));
+  EXPECT_THAT(meet([](const std::string&) { return "\x15\x03\x01 alert"; }).error,
+              HasSubstr("answered by TLS: this is the port of encrypted streams"));
 }
 
 /// Answers DESCRIBE with this description.
@@ -177,6 +179,15 @@ TEST(RtspServer, OtherCodecsAreNamed) {
   const Meeting meeting = meet(describing("m=video 0 RTP/AVP 26\r\na=control:x\r\n"));
   EXPECT_THAT(meeting.error,
               HasSubstr("sends no H.264 or H.265 video (it offers JPEG); set its stream to H.264"));
+}
+
+TEST(RtspServer, EmptyDescriptionsAreNamed) {
+  EXPECT_THAT(meet(describing("")).error, HasSubstr("describes no stream at all; check the path of its URL"));
+}
+
+TEST(RtspServer, MulticastIsNamed) {
+  EXPECT_THAT(meet(answering("SETUP", "200 OK", "Transport: RTP/AVP;multicast;port=5000-5001\r\n")).error,
+              HasSubstr("switch multicast off in the camera"));
 }
 
 TEST(RtspServer, EncryptionIsNamed) {

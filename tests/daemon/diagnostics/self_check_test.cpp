@@ -119,6 +119,32 @@ TEST(SelfCheck, ReportsRotationOfRightCamera) {
       HasSubstr("deg in yaw"));
 }
 
+TEST(SelfCheck, ReportsNoRotationFromPairsThatAreNotValid) {
+  SelfCheck check;
+  vo::OdometryEstimate estimate =
+      estimateWith(rigWith(&vo::RigCalibrationError::roll, 0.31 * kRadiansPerDegree, 1e-4));
+  for (int pair = 0; pair < 20; ++pair)
+    check.update(estimate);
+  EXPECT_EQ(check.message(), "");
+  estimate.valid = true;
+  for (int pair = 0; pair < 20; ++pair)
+    check.update(estimate);
+  EXPECT_NE(check.message(), "");
+}
+
+TEST(SelfCheck, NamesAFaultUntilAPairIsValid) {
+  SelfCheck check;
+  vo::OdometryEstimate estimate;
+  estimate.stereo_fault = vo::kStereoFaults[0].fault;
+  check.update(estimate);
+  estimate.stereo_fault = vo::StereoFault::none;
+  check.update(estimate);
+  EXPECT_EQ(check.stereoFaultMessage(), vo::kStereoFaults[0].sentence);
+  estimate.valid = true;
+  check.update(estimate);
+  EXPECT_EQ(check.stereoFaultMessage(), "");
+}
+
 TEST(SelfCheck, IsEmptyForInsignificantError) {
   EXPECT_EQ(messageFor(rigWith(&vo::RigCalibrationError::delay, 3.1e-3, 1.2e-3)), "");
 }

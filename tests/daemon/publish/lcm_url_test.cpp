@@ -36,6 +36,7 @@ TEST(LcmUrl, OfOtherProvidersIsNamed) {
 }
 
 TEST(LcmUrl, IsRefusedWithTheReason) {
+  EXPECT_THAT(errorOf("udpm://239.255.76.67:7667?recv_buf_size=9&tll=1"), HasSubstr("has the option 'tll'"));
   EXPECT_THAT(errorOf("239.255.76.67:7667"), HasSubstr("is not a URL of LCM's UDP multicast"));
   EXPECT_THAT(errorOf("udpm://239.255.76.67:7667?ttl=x"), HasSubstr("is not a URL of LCM's UDP multicast"));
   EXPECT_THAT(errorOf("udpm://10.0.0.1:7667"), HasSubstr("not a multicast address"));

@@ -74,3 +74,43 @@ def test_several_estimates_are_one_table(bench):
     results = bench.json("one.tum", "--offset", "18", "--truth", "t.tum", "other.tum")
     assert [result["estimate"] for result in results] == ["one.tum", "other.tum"] and results[1]["final_drift_m"] < 1e-6
     assert "expected ESTIMATE TRUTH" in bench.error("one.tum", "other.tum", "t.tum", code=2)
+
+
+def test_other_units_of_positions_are_named(bench):
+    for scale, said in ((1000.0, "in millimetres"), (0.001, "in kilometres"), (3.2808, "in feet"), (1.3, "the baseline in the rig"), (1.05, "")):
+        problem = bench.compare(DRIVE, scaled(DRIVE, scale))["problem"]
+        assert said in problem and bool(problem) == bool(said), (scale, problem)
+    degrees = DRIVE.copy()
+    degrees[:, :2, 3] = (49.0, 8.4) + 1e-5 * DRIVE[:, [1, 0], 3]
+    assert "latitude and longitude" in bench.compare(DRIVE, degrees)["problem"]
+    assert bench.compare(DRIVE, scaled(DRIVE, 1.3), "--correct-scale")["problem"] == ""
+
+
+def test_mirrored_axes_and_positions_without_rotations_are_named(bench):
+    mirror = np.diag([1.0, -1.0, 1.0, 1.0])
+    hilly = np.array([matrix @ pose(rotation=turn(0, 0.1 * np.sin(0.1 * i), 0.1 * np.sin(0.2 * i))) for i, matrix in enumerate(DRIVE)])
+    positions = DRIVE.copy()
+    positions[:, :3, :3] = np.eye(3)
+    mirrored_positions = DRIVE.copy()
+    mirrored_positions[:, 1, 3] *= -1
+    for estimate, truth, said in ((hilly, mirror @ hilly @ mirror, "left-handed"), (DRIVE, mirrored_positions, "seem to be mirrored"),
+                                  (DRIVE, positions, "the truth has positions only")):
+        assert said in bench.compare(estimate, truth)["problem"]
+
+
+def test_a_truth_of_another_point_of_the_cart_is_named(bench):
+    problem = bench.compare(scaled(DRIVE, 1.002), DRIVE @ pose((1.5, -0.4, 0.8)))["problem"]
+    assert "(1.5, -0.4, 0.0) m from the estimate's" in problem
+
+
+def test_a_truth_of_a_part_of_the_drive_is_of_the_same_clock(bench):
+    bench.write("e.tum", tum(scaled(DRIVE, 1.01)))
+    for first, last in ((0, 40), (200, 230), (560, 600)):
+        bench.write("t.tum", tum(DRIVE[first:last], start=0.1 * first))
+        assert bench.json("e.tum", "t.tum")["problem"] == ""
+
+
+def test_instants_in_milliseconds_are_named(bench):
+    bench.write("e.tum", tum(DRIVE))
+    bench.write("t.tum", tum(DRIVE, period=100.0))
+    assert "the truth's instants are 100 s apart: are they milliseconds" in bench.error("e.tum", "t.tum")

@@ -40,6 +40,16 @@ def without_axes(profile):
     return np.column_stack([profile[:, 0], sizes - sizes.mean()])
 
 
+def agreement_alone(estimate, truth):
+    """Correlation of two profiles about their means over these instants alone, where one file may be of a part of the drive only. Uniform
+    motions agree unless they differ."""
+    estimate, truth = estimate - estimate.mean(0), truth - truth.mean(0)
+    squares = np.sqrt((estimate**2).sum() * (truth**2).sum())
+    if squares < len(estimate):
+        return 1.0 if ((estimate - truth)**2).sum() < len(estimate) else -1.0
+    return float((estimate * truth).sum() / squares)
+
+
 def best_agreement(estimate, truth, step, start):
     """The best offset (s, added to the estimate's instants), the correlation with it and the one without it; -1: none. `start`: s from
     the truth's first instant to the estimate's. Of maxima that are equal, as of periodic motions, the offset is the smallest one, or
@@ -66,8 +76,11 @@ def best_agreement(estimate, truth, step, start):
     curvature = at[best - 1] - 2.0 * at[best] + at[best + 1]
     part = 0.5 * (at[best - 1] - at[best + 1]) / curvature if curvature < 0 else 0.0
     offset = (lags[best] + min(max(part, -0.5), 0.5)) * step - start
-    is_enough = has_common and common[present + n] >= 10
-    return float(offset), float(at[best]), float(correlations[present + n]) if is_enough else -1.0
+    if not has_common or common[present + n] < 10:
+        return float(offset), float(at[best]), -1.0
+    begin, length = max(present, 0), common[present + n]
+    alone = agreement_alone(estimate[begin - present:][:length], truth[begin:][:length])
+    return float(offset), float(at[best]), max(float(correlations[present + n]), alone)
 
 
 def reason_of(offset):

@@ -52,10 +52,16 @@ def span(trajectory):
     return f"{1e-9 * trajectory.times[0]:.3f} s to {1e-9 * trajectory.times[-1]:.3f} s"
 
 
+def unit_problem(trajectory, name):
+    """Says that instants are so far apart that they are no seconds."""
+    period = 1e-9 * float(np.median(np.diff(trajectory.times))) if len(trajectory.times) > 1 else 0.0
+    return f"the {name}'s instants are {period:.6g} s apart: are they milliseconds or microseconds? Write seconds" if period > 10.0 else ""
+
+
 def pair_by_time(estimate, truth):
     """Raises EvaluationError if fewer than two poses have a truth, see InterpolatedTruth."""
     known, poses = InterpolatedTruth(truth).at(estimate.times)
-    problem = clock_problem(estimate, truth)
+    problem = unit_problem(estimate, "estimate") or unit_problem(truth, "truth") or clock_problem(estimate, truth)
     if known.sum() < 2:
         raise EvaluationError(
             f"fewer than two poses of the estimate have a truth at their time: the estimate is of {span(estimate)}, the truth of "

@@ -25,12 +25,12 @@ EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, 
 }
 
 /// Whether the odds are for a stddev `wide` of a state about `mean` rather than `narrow`, by what the images
-/// alone say. `found`: with a prior of the stddev `told`; with one that is narrower, as of a state that has
-/// been measured, rounding hides what one pair says.
+/// alone say. `found`: with a prior of the stddev `told`. Not if the images say less than `wide`, nor if
+/// `told` is another prior: that of a state that has been measured hides by rounding what one pair says.
 bool contradicts(const EstimateWithStddev& found, double mean, double told, double narrow, double wide) {
   const double information = 1.0 / (found.stddev * found.stddev);
   const double by_images = information - 1.0 / (told * told);
-  if (2.0 * told < narrow || !(by_images * wide * wide > 1.0)) return false;
+  if (2.0 * told < narrow || told > narrow || !(by_images * wide * wide > 1.0)) return false;
   const double change = information * (found.value - mean) / by_images;
   const auto log_likelihood = [&](double stddev) {
     const double variance = 1.0 / by_images + stddev * stddev;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -26,14 +27,25 @@ Eigen::VectorXd profileOf(const cv::Mat& picture) {
   return profile;
 }
 
-/// Cosine and sine of this number of bands at the parts of the rows.
-Eigen::MatrixX2d waves(double bands) {
-  const Eigen::ArrayXd phases =
-      (Eigen::ArrayXd::LinSpaced(kParts, 0.5, kParts - 0.5) / kParts) * (2.0 * std::numbers::pi * bands);
-  Eigen::MatrixX2d waves(kParts, 2);
-  waves.col(0) = phases.cos();
-  waves.col(1) = phases.sin();
-  return waves;
+/// A number of bands, with its cosine and sine at the parts of the rows.
+struct Waves {
+  double bands;
+  Eigen::MatrixX2d at;
+};
+
+const std::vector<Waves>& allWaves() {
+  static const std::vector<Waves> all = [] {
+    std::vector<Waves> waves;
+    for (double bands = kLeastBands; bands <= kMostBands; bands += kStep) {
+      const Eigen::ArrayXd phases =
+          (Eigen::ArrayXd::LinSpaced(kParts, 0.5, kParts - 0.5) / kParts) * (2.0 * std::numbers::pi * bands);
+      Waves& added = waves.emplace_back(Waves{bands, Eigen::MatrixX2d(kParts, 2)});
+      added.at.col(0) = phases.cos();
+      added.at.col(1) = phases.sin();
+    }
+    return waves;
+  }();
+  return all;
 }
 
 /// Changes of each profile against their mean, without those of the exposure: a constant and a slope.
@@ -58,16 +70,19 @@ cv::Mat LampBands::without(const cv::Mat& picture) {
   const double power = changes.squaredNorm();
   if (power < 0.5 * kLeastAmplitude * kLeastAmplitude * static_cast<double>(changes.size())) return picture;
 
-  double most = 0.0, found = 0.0;
-  for (double bands = kLeastBands; bands <= kMostBands; bands += kStep) {
-    const double of_bands = (waves(bands).transpose() * changes).squaredNorm() * (2.0 / kParts);
-    if (of_bands > most) most = of_bands, found = bands;
+  double most = 0.0;
+  const Waves* found = nullptr;
+  for (const Waves& waves : allWaves()) {
+    const double of_waves = (waves.at.transpose() * changes).squaredNorm() * (2.0 / kParts);
+    if (of_waves <= most) continue;
+    most = of_waves;
+    found = &waves;
   }
-  if (most < kLeastShare * power) return picture;
-  const Eigen::Vector2d wave = waves(found).transpose() * changes.col(changes.cols() - 1) * (2.0 / kParts);
+  if (found == nullptr || most < kLeastShare * power) return picture;
+  const Eigen::Vector2d wave = found->at.transpose() * changes.col(changes.cols() - 1) * (2.0 / kParts);
   levelled_.create(picture.size(), picture.type());
   for (int y = 0; y < picture.rows; ++y) {
-    const double phase = 2.0 * std::numbers::pi * found * (y + 0.5) / picture.rows;
+    const double phase = 2.0 * std::numbers::pi * found->bands * (y + 0.5) / picture.rows;
     const double change = wave[0] * std::cos(phase) + wave[1] * std::sin(phase);
     picture.row(y).convertTo(levelled_.row(y), CV_8U, std::exp(-change));
   }

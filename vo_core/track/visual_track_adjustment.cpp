@@ -16,24 +16,34 @@ constexpr double kKnownStddev = 1e-8;
 // m^2, of a stddev of 0.05 / m: a depth from motion that is more certain than this is used.
 constexpr double kCertainInformation = 400.0;
 
-/// The estimate that a prior with the stddev `wide` would have given instead of one with `narrow`, both about
-/// `mean`: what the images alone say of a state that is known.
-EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, double narrow, double wide) {
+/// Information of the images alone on a state, and its product with their difference from the mean.
+struct OfImages {
+  double information, vector;
+};
+
+/// `found`: with a prior of the stddev `told` about `mean`.
+OfImages ofImages(const EstimateWithStddev& found, double mean, double told) {
   const double information = 1.0 / (found.stddev * found.stddev);
-  const double by_images = std::max(0.0, information - 1.0 / (narrow * narrow)) + 1.0 / (wide * wide);
-  return {mean + information * (found.value - mean) / by_images, 1.0 / std::sqrt(by_images)};
+  return {information - 1.0 / (told * told), information * (found.value - mean)};
+}
+
+/// The estimate that a prior with the stddev `wide` would have given instead of one with `told`, both about
+/// `mean`: what the images alone say of a state that is known.
+EstimateWithStddev withWiderPrior(const EstimateWithStddev& found, double mean, double told, double wide) {
+  const OfImages images = ofImages(found, mean, told);
+  const double information = std::max(0.0, images.information) + 1.0 / (wide * wide);
+  return {mean + images.vector / information, 1.0 / std::sqrt(information)};
 }
 
 /// Whether the odds are for a stddev `wide` of a state about `mean` rather than `narrow`, by what the images
 /// alone say. `found`: with a prior of the stddev `told`. Not if the images say less than `wide`, nor if
 /// `told` is another prior: that of a state that has been measured hides by rounding what one pair says.
 bool contradicts(const EstimateWithStddev& found, double mean, double told, double narrow, double wide) {
-  const double information = 1.0 / (found.stddev * found.stddev);
-  const double by_images = information - 1.0 / (told * told);
-  if (2.0 * told < narrow || told > narrow || !(by_images * wide * wide > 1.0)) return false;
-  const double change = information * (found.value - mean) / by_images;
+  const OfImages images = ofImages(found, mean, told);
+  if (2.0 * told < narrow || told > narrow || !(images.information * wide * wide > 1.0)) return false;
+  const double change = images.vector / images.information;
   const auto log_likelihood = [&](double stddev) {
-    const double variance = 1.0 / by_images + stddev * stddev;
+    const double variance = 1.0 / images.information + stddev * stddev;
     return -0.5 * (change * change / variance + std::log(variance));
   };
   return log_likelihood(wide) - log_likelihood(narrow) > track_start::kEstablished;

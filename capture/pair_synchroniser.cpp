@@ -1,8 +1,8 @@
-// Pairing of two cameras' frames by their exposure instants.
-
+// Pairing of two cameras' frames by their exposure instants, live and of sources that end.
 #include "capture/pair_synchroniser.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -23,6 +23,15 @@ constexpr std::int64_t kMaxMarginDivisor = 4;
 double offsetStddevNs(const Frame& left, const Frame& right) {
   return std::hypot(static_cast<double>(left.exposure_stddev_ns),
                     static_cast<double>(right.exposure_stddev_ns));
+}
+
+/// Time that a source waits for a frame before it is asked again.
+constexpr std::chrono::milliseconds kReadTimeout{200};
+
+/// Order of two frames: of recording, which does not depend on clocks; where it is unknown, of exposure.
+bool comesFirst(const Frame& left, const Frame& right) {
+  if (left.order > 0 && right.order > 0) return left.order < right.order;
+  return left.exposure_ns <= right.exposure_ns;
 }
 
 }  // namespace
@@ -137,6 +146,31 @@ std::int64_t PairSynchroniser::periodNs() const {
 void PairSynchroniser::drop(Side& side, std::uint64_t PairingCounts::*reason) {
   side.waiting.pop_front();
   ++(side.counts.*reason);
+}
+
+void PairReader::LookAhead::fill() {
+  while (!frame && !ended) {
+    Frame next;
+    const ReadOutcome outcome = source.read(next, kReadTimeout);
+    if (outcome == ReadOutcome::frame) frame = std::move(next);
+    ended = outcome == ReadOutcome::ended;
+  }
+}
+
+PairReader::PairReader(CameraSource& left, CameraSource& right, const PairSynchroniserSettings& settings)
+    : left_{left}, right_{right}, synchroniser_(settings) {}
+
+std::optional<FramePair> PairReader::next() {
+  for (;;) {
+    if (std::optional<FramePair> pair = synchroniser_.pop()) return pair;
+    left_.fill();
+    right_.fill();
+    if (!left_.frame && !right_.frame) return std::nullopt;
+    const bool left_is_next = !right_.frame || (left_.frame && comesFirst(*left_.frame, *right_.frame));
+    LookAhead& side = left_is_next ? left_ : right_;
+    synchroniser_.push(left_is_next ? CameraSide::left : CameraSide::right,
+                       *std::exchange(side.frame, std::nullopt));
+  }
 }
 
 }  // namespace cartvo::capture

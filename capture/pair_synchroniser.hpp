@@ -7,10 +7,12 @@
 #include <optional>
 
 #include "capture/camera_side.hpp"
+#include "capture/camera_source.hpp"
 #include "capture/clock/frame_period_estimator.hpp"
 #include "capture/frame.hpp"
 
 // Pairing of the left and right frames of two unsynchronised cameras.
+// Pairs of two sources that end, such as recordings.
 
 namespace cartvo::capture {
 
@@ -101,6 +103,34 @@ class PairSynchroniser {
   PairSynchroniserSettings settings_;
   std::array<Side, 2> sides_;
   std::optional<std::int64_t> last_offset_ns_;  ///< of the last pair; empty after a clock was set back
+};
+
+/// Reads two sources to their ends, merged in the order of recording or, where that is unknown, of exposure,
+/// and pairs their frames. The same sources give the same pairs. Reads a frame of each source ahead. Not
+/// thread-safe.
+class PairReader {
+ public:
+  /// The sources must outlive the reader. Throws what PairSynchroniser throws.
+  PairReader(CameraSource& left, CameraSource& right, const PairSynchroniserSettings& settings);
+
+  /// The next pair; nothing after the last one. Throws what the sources throw.
+  std::optional<FramePair> next();
+
+  /// The synchroniser, for its counts.
+  const PairSynchroniser& synchroniser() const { return synchroniser_; }
+
+ private:
+  /// A source that is read a frame ahead.
+  struct LookAhead {
+    CameraSource& source;
+    std::optional<Frame> frame{};
+    bool ended = false;
+
+    void fill();
+  };
+
+  LookAhead left_, right_;
+  PairSynchroniser synchroniser_;
 };
 
 }  // namespace cartvo::capture

@@ -11,7 +11,7 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/dataset/image_folder.hpp"
-#include "capture/recording/recording_timestamper.hpp"
+#include "capture/recording/recording_source.hpp"
 
 // Opening of recordings, data sets and videos as a pair of frame sources.
 

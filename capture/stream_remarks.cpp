@@ -1,6 +1,7 @@
-// Counters and texts of what a camera sends and what is left out.
-
+// Counters and texts of what a camera sends and what is left out; cameras that repeat a picture.
 #include "capture/stream_remarks.hpp"
+
+#include "common/picture_digest.hpp"
 
 namespace cartvo::capture {
 namespace {
@@ -76,6 +77,16 @@ std::string StreamRemarks::text(Kind kind) const {
   const std::string number =
       entry.named == 1 ? " (fewer than 10)" : " (" + std::to_string(entry.named) + " or more)";
   return nameOf(kind, entry.detail) + number;
+}
+
+FrozenPictureDetector::Clock::duration FrozenPictureDetector::update(const cv::Mat& image,
+                                                                     Clock::time_point now) {
+  const std::uint64_t current = pictureDigest(image);
+  if (hash_ != current || isUniform(image)) {
+    hash_ = current;
+    since_ = now;
+  }
+  return now - since_;
 }
 
 }  // namespace cartvo::capture

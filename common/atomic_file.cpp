@@ -1,4 +1,5 @@
-// Writing of files: atomic replacement of regular files, all else in place.
+// Writing of files: atomic replacement of regular files, all else in place; files and folders that may stay
+// unfinished.
 #include "common/atomic_file.hpp"
 
 #include <cerrno>
@@ -8,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -145,6 +147,16 @@ void write(const Target& target, std::string_view contents, const fs::path& file
   if (!replace(target, contents, file)) writeInPlace(target, contents, file);
 }
 
+fs::path targetOf(const fs::path& file) {
+  checkFileCanBeWritten(file);
+  std::error_code error;
+  if (!fs::exists(file, error)) return file;
+  fs::path target = fs::canonical(file);
+  if (!fs::is_regular_file(target))
+    throw std::runtime_error(file.string() + ": is not a regular file; name a new file");
+  return target;
+}
+
 }  // namespace
 
 void writeFileAtomically(const fs::path& file, std::string_view contents) {
@@ -187,6 +199,49 @@ std::vector<fs::path> createFolders(const fs::path& folder) {
   if (!error && !fs::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
   if (error) failWith(folder, "the folder cannot be created", error.value());
   return missing;
+}
+
+AtomicFileWriter::AtomicFileWriter(fs::path file) : file_(std::move(file)), target_(targetOf(file_)) {
+  constexpr mode_t kOfUmask = 0666;
+  created_ = createFolders(folderOf(target_));
+  contents_.emplace(target_, kOfUmask);
+  if (!contents_->isOpen())
+    failWith(file_, "no file can be made in the folder " + folderOf(target_).string(), errno);
+}
+
+AtomicFileWriter::~AtomicFileWriter() {
+  contents_.reset();
+  if (committed_) return;
+  std::error_code not_empty;
+  for (; !created_.empty(); created_.pop_back())
+    fs::remove(created_.back(), not_empty);
+}
+
+void AtomicFileWriter::write(std::string_view contents) {
+  if (const int error = writeAll(contents_->descriptor(), contents); error != 0)
+    failWith(file_, "cannot be written", error);
+}
+
+void AtomicFileWriter::commit() {
+  struct stat old {};
+  if (::stat(target_.c_str(), &old) == 0 && !contents_->takeOwner(old))
+    failWith(file_, "cannot be replaced by a file of the same owner and mode", errno);
+  if (::fsync(contents_->descriptor()) != 0) failWith(file_, "cannot be synced to the disk", errno);
+  if (const int error = contents_->moveToTarget(); error != 0)
+    failWith(file_, "cannot be renamed into place", error);
+  committed_ = true;
+}
+
+UnfinishedFolder::UnfinishedFolder(const fs::path& folder)
+    : folder_(folder), created_(createFolders(folder)), was_empty_(fs::is_empty(folder)) {}
+
+void UnfinishedFolder::remove() {
+  if (!was_empty_) return;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder_, ignored), end; entry != end; entry.increment(ignored))
+    fs::remove_all(entry->path(), ignored);
+  for (; !created_.empty(); created_.pop_back())
+    fs::remove(created_.back(), ignored);
 }
 
 }  // namespace cartvo

@@ -5,7 +5,6 @@
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"
 #include "calib/model/rig.hpp"
-#include "calib/model/static_mask.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "calib/rectification/rectifier.hpp"

@@ -9,7 +9,6 @@
 #include "capture/dataset/image_folder.hpp"
 #include "capture/frame.hpp"
 #include "capture/network/credentials.hpp"
-#include "capture/pair_reader.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_source.hpp"

@@ -6,6 +6,5 @@
 #include "pipeline/body_motion.hpp"
 #include "pipeline/pair_processor.hpp"
 #include "pipeline/pipeline.hpp"
-#include "pipeline/rectified_camera.hpp"
 #include "pipeline/shutters.hpp"
 #include "pipeline/source_rig.hpp"

@@ -1,5 +1,4 @@
 // Processes a pair of frames: rectification, odometry, body motion, velocity at the exposure, its bounds.
-
 #include "pipeline/pair_processor.hpp"
 
 #include <array>
@@ -9,9 +8,8 @@
 #include "calib/rectification/rectifier.hpp"
 #include "common/picture_digest.hpp"
 #include "common/threads/parallel_loop.hpp"
-#include "pipeline/lamp_bands.hpp"
-#include "pipeline/rectified_camera.hpp"
-#include "pipeline/velocity_at_exposure.hpp"
+#include "pipeline/body_motion.hpp"
+#include "pipeline/picture_light.hpp"
 
 namespace cartvo::pipeline {
 namespace {
@@ -25,6 +23,17 @@ Eigen::Isometry3d rotationOnly(const Eigen::Matrix3d& rotation) {
 }
 
 }  // namespace
+
+vo::StereoCamera stereoCamera(const calib::Rectification& rectification) {
+  vo::StereoCamera camera;
+  camera.focal_length = rectification.focal_length;
+  camera.cx = rectification.cx;
+  camera.cy = rectification.cy;
+  camera.baseline = rectification.baseline;
+  camera.width = rectification.size.width;
+  camera.height = rectification.size.height;
+  return camera;
+}
 
 class PairProcessor::Implementation {
  public:

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "calib/model/rig.hpp"
+#include "calib/rectification/rectification.hpp"
 #include "capture/pair_synchroniser.hpp"
 #include "pipeline/body_motion.hpp"
 #include "pipeline/pair_view.hpp"
@@ -15,6 +16,7 @@
 #include "pipeline/protection_level.hpp"
 #include "pipeline/shutters.hpp"
 #include "pipeline/stage_clock.hpp"
+#include "vo_core/stereo_camera.hpp"
 #include "vo_core/stereo_odometry.hpp"
 
 // Processing of one pair: rectification, odometry, motion of the body and its bounds.
@@ -24,6 +26,9 @@ class Rectifier;
 }  // namespace cartvo::calib
 
 namespace cartvo::pipeline {
+
+/// The camera of the rectified images, for StereoOdometry.
+vo::StereoCamera stereoCamera(const calib::Rectification& rectification);
 
 /// Result of processing one pair of frames.
 struct PairResult {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -43,5 +45,19 @@ bool lacksTexture(const PictureLight& light);
 /// stereo geometry it is only if the texture is missing; instants, sizes and damages are no question of
 /// light.
 bool mayExplain(const PictureLight& light, std::uint32_t reasons);
+
+/// Takes bright and dark bands out of a camera's pictures, which lamps on the mains make with a rolling
+/// shutter. They run through the picture otherwise than the scene, and differ between left and right. Not
+/// thread-safe.
+class LampBands {
+ public:
+  /// The picture (CV_8UC1) without its bands, in memory of this object until the next call; the picture
+  /// itself if it has none. Bands are known from the eighth picture on, unless they stand still.
+  cv::Mat without(const cv::Mat& picture);
+
+ private:
+  std::deque<Eigen::VectorXd> profiles_;  ///< logarithms of the rows' mean brightness, of the latest pictures
+  cv::Mat levelled_;
+};
 
 }  // namespace cartvo::pipeline

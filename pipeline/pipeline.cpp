@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "capture/pair_reader.hpp"
+#include "capture/pair_synchroniser.hpp"
 #include "common/host_clock.hpp"
 #include "pipeline/feature_budget.hpp"
 #include "pipeline/live_pairing.hpp"
@@ -86,21 +86,115 @@ class Pipeline::Implementation {
         settings_(settings),
         live_(synchroniserSettings(settings.period_ns), settings.image_size) {}
 
-  void replay(const PipelineSink& sink);
-  void runLive(const PipelineSink& sink);
-  void stop() noexcept;
-  PipelineCounts counts() const;
+  void replay(const PipelineSink& sink) {
+    capture::PairReader reader(left_, right_, synchroniserSettings(settings_.period_ns));
+    while (!stopped_) {
+      const std::optional<capture::FramePair> pair = reader.next();
+      if (!pair) break;
+      requireRigSize(capture::CameraSide::left, pair->left);
+      requireRigSize(capture::CameraSide::right, pair->right);
+      processPair(*pair, sink);
+    }
+    const std::lock_guard lock(mutex_);
+    replayed_ = totals(reader.synchroniser());
+  }
+  void runLive(const PipelineSink& sink) {
+    {
+      const std::jthread left_reader([this] { readCamera(left_, capture::CameraSide::left, left_beat_); });
+      const std::jthread right_reader(
+          [this] { readCamera(right_, capture::CameraSide::right, right_beat_); });
+      try {
+        processNewestPairs(sink);
+      } catch (...) {
+        stop();
+        throw;
+      }
+      stop();
+    }
+    const std::lock_guard lock(mutex_);
+    if (reader_failure_) std::rethrow_exception(reader_failure_);
+  }
+  void stop() noexcept {
+    stopped_ = true;
+    left_.interrupt();
+    right_.interrupt();
+  }
+  PipelineCounts counts() const {
+    PipelineCounts counts;
+    const LivePairing::Counts live = live_.counts();
+    const std::lock_guard lock(mutex_);
+    addPairing(replayed_ ? *replayed_ : live.pairing, counts);
+    counts.processed = processed_;
+    counts.skipped = live.skipped;
+    counts.refused_size = live.refused_size;
+    counts.periods = live_.periods();
+    return counts;
+  }
   std::string problem() const { return live_.problem(); }
   std::string pairingProblem() const { return live_.pairingProblem(); }
   PipelineProgress progress() const { return {left_beat_.age(), right_beat_.age()}; }
 
  private:
-  void readCamera(capture::CameraSource& source, capture::CameraSide side, Heartbeat& heartbeat) noexcept;
-  void processNewestPairs(const PipelineSink& sink);
-  std::chrono::nanoseconds livePeriod() const;
-  std::chrono::nanoseconds messagePeriod() const;
-  PairResult processPair(const capture::FramePair& pair, const PipelineSink& sink);
-  void requireRigSize(capture::CameraSide side, const capture::Frame& frame) const;
+  void readCamera(capture::CameraSource& source, capture::CameraSide side, Heartbeat& heartbeat) noexcept {
+    try {
+      capture::ReadOutcome outcome = capture::ReadOutcome::timed_out;
+      while (!stopped_ && outcome != capture::ReadOutcome::ended) {
+        heartbeat.beat();
+        capture::Frame frame;
+        outcome = source.read(frame, kReadTimeout);
+        if (outcome != capture::ReadOutcome::frame) continue;
+        if (settings_.frame) settings_.frame(side, frame);
+        live_.push(side, std::move(frame));
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!reader_failure_) reader_failure_ = std::current_exception();
+      stop();
+    }
+    heartbeat.stop();
+    live_.finish(side);
+  }
+  void processNewestPairs(const PipelineSink& sink) {
+    FeatureBudget budget(processor_.features());
+    // A pair that arrives within one period after it was due is late, not missed.
+    SteadyClock::time_point missed = SteadyClock::now() + 2 * messagePeriod();
+    LivePairing::Counts before = live_.counts();
+    while (!stopped_ && !live_.finished()) {
+      const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
+      if (pair) {
+        const std::chrono::nanoseconds period = livePeriod();
+        processor_.setTargetFeatureCount(budget.update(processPair(*pair, sink).times.total,
+                                                       std::chrono::duration<double>(period).count()));
+        missed = SteadyClock::now() + 2 * std::max(period, kShortestPeriod);
+        before = live_.counts();
+      } else if (!stopped_ && SteadyClock::now() >= missed) {
+        const LivePairing::Counts now = live_.counts();
+        if (sink.no_pair) sink.no_pair({hostNow(), cause(before, now)});
+        missed = std::max(missed + messagePeriod(), SteadyClock::now());  // once, however long this was late
+        before = now;
+      }
+    }
+  }
+  /// Time between two pairs, as measured from the frames.
+  std::chrono::nanoseconds livePeriod() const {
+    const std::chrono::nanoseconds period(live_.periods().ofPairsNs());
+    return period.count() == 0 ? kFirstPeriod : std::min(period, kLongestPeriod);
+  }
+  /// Time between two messages about missing pairs.
+  std::chrono::nanoseconds messagePeriod() const { return std::max(livePeriod(), kShortestPeriod); }
+  PairResult processPair(const capture::FramePair& pair, const PipelineSink& sink) {
+    PairResult result = processor_.process(pair);
+    ++processed_;
+    const auto offset = visual_offset_.update(
+        result.estimate.rig, static_cast<double>(result.appliedCorrectionNs()), result.estimate.time_step);
+    if (settings_.set_visual_offset) settings_.set_visual_offset(offset);
+    sink.pair(result);
+    return result;
+  }
+  void requireRigSize(capture::CameraSide side, const capture::Frame& frame) const {
+    if (frame.image.size() == settings_.image_size) return;
+    throw std::runtime_error(wrongSizeMessage(side, frame.image.size(), settings_.image_size));
+  }
 
   capture::CameraSource& left_;
   capture::CameraSource& right_;
@@ -116,122 +210,6 @@ class Pipeline::Implementation {
   std::optional<PairingTotals> replayed_;  // guarded by mutex_
   std::exception_ptr reader_failure_;      // guarded by mutex_
 };
-
-PairResult Pipeline::Implementation::processPair(const capture::FramePair& pair, const PipelineSink& sink) {
-  PairResult result = processor_.process(pair);
-  ++processed_;
-  const auto offset = visual_offset_.update(
-      result.estimate.rig, static_cast<double>(result.appliedCorrectionNs()), result.estimate.time_step);
-  if (settings_.set_visual_offset) settings_.set_visual_offset(offset);
-  sink.pair(result);
-  return result;
-}
-
-void Pipeline::Implementation::replay(const PipelineSink& sink) {
-  capture::PairReader reader(left_, right_, synchroniserSettings(settings_.period_ns));
-  while (!stopped_) {
-    const std::optional<capture::FramePair> pair = reader.next();
-    if (!pair) break;
-    requireRigSize(capture::CameraSide::left, pair->left);
-    requireRigSize(capture::CameraSide::right, pair->right);
-    processPair(*pair, sink);
-  }
-  const std::lock_guard lock(mutex_);
-  replayed_ = totals(reader.synchroniser());
-}
-
-void Pipeline::Implementation::runLive(const PipelineSink& sink) {
-  {
-    const std::jthread left_reader([this] { readCamera(left_, capture::CameraSide::left, left_beat_); });
-    const std::jthread right_reader([this] { readCamera(right_, capture::CameraSide::right, right_beat_); });
-    try {
-      processNewestPairs(sink);
-    } catch (...) {
-      stop();
-      throw;
-    }
-    stop();
-  }
-  const std::lock_guard lock(mutex_);
-  if (reader_failure_) std::rethrow_exception(reader_failure_);
-}
-
-void Pipeline::Implementation::readCamera(capture::CameraSource& source, capture::CameraSide side,
-                                          Heartbeat& heartbeat) noexcept {
-  try {
-    capture::ReadOutcome outcome = capture::ReadOutcome::timed_out;
-    while (!stopped_ && outcome != capture::ReadOutcome::ended) {
-      heartbeat.beat();
-      capture::Frame frame;
-      outcome = source.read(frame, kReadTimeout);
-      if (outcome != capture::ReadOutcome::frame) continue;
-      if (settings_.frame) settings_.frame(side, frame);
-      live_.push(side, std::move(frame));
-    }
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    if (!reader_failure_) reader_failure_ = std::current_exception();
-    stop();
-  }
-  heartbeat.stop();
-  live_.finish(side);
-}
-
-void Pipeline::Implementation::processNewestPairs(const PipelineSink& sink) {
-  FeatureBudget budget(processor_.features());
-  // A pair that arrives within one period after it was due is late, not missed.
-  SteadyClock::time_point missed = SteadyClock::now() + 2 * messagePeriod();
-  LivePairing::Counts before = live_.counts();
-  while (!stopped_ && !live_.finished()) {
-    const std::optional<capture::FramePair> pair = live_.waitForPair(missed);
-    if (pair) {
-      const std::chrono::nanoseconds period = livePeriod();
-      processor_.setTargetFeatureCount(
-          budget.update(processPair(*pair, sink).times.total, std::chrono::duration<double>(period).count()));
-      missed = SteadyClock::now() + 2 * std::max(period, kShortestPeriod);
-      before = live_.counts();
-    } else if (!stopped_ && SteadyClock::now() >= missed) {
-      const LivePairing::Counts now = live_.counts();
-      if (sink.no_pair) sink.no_pair({hostNow(), cause(before, now)});
-      missed = std::max(missed + messagePeriod(), SteadyClock::now());  // once, however long this was late
-      before = now;
-    }
-  }
-}
-
-/// Time between two pairs, as measured from the frames.
-std::chrono::nanoseconds Pipeline::Implementation::livePeriod() const {
-  const std::chrono::nanoseconds period(live_.periods().ofPairsNs());
-  return period.count() == 0 ? kFirstPeriod : std::min(period, kLongestPeriod);
-}
-
-/// Time between two messages about missing pairs.
-std::chrono::nanoseconds Pipeline::Implementation::messagePeriod() const {
-  return std::max(livePeriod(), kShortestPeriod);
-}
-
-void Pipeline::Implementation::requireRigSize(capture::CameraSide side, const capture::Frame& frame) const {
-  if (frame.image.size() == settings_.image_size) return;
-  throw std::runtime_error(wrongSizeMessage(side, frame.image.size(), settings_.image_size));
-}
-
-void Pipeline::Implementation::stop() noexcept {
-  stopped_ = true;
-  left_.interrupt();
-  right_.interrupt();
-}
-
-PipelineCounts Pipeline::Implementation::counts() const {
-  PipelineCounts counts;
-  const LivePairing::Counts live = live_.counts();
-  const std::lock_guard lock(mutex_);
-  addPairing(replayed_ ? *replayed_ : live.pairing, counts);
-  counts.processed = processed_;
-  counts.skipped = live.skipped;
-  counts.refused_size = live.refused_size;
-  counts.periods = live_.periods();
-  return counts;
-}
 
 Pipeline::Pipeline(capture::CameraSource& left, capture::CameraSource& right, PairProcessor& processor,
                    const PipelineSettings& settings)

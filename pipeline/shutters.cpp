@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "calib/rectification/row_shares.hpp"
+#include "calib/rectification/rectification_tables.hpp"
 
 namespace cartvo::pipeline {
 namespace {

@@ -1,6 +1,8 @@
-// Board specifications: parsing and writing the text, and the positions of corners and markers.
+// Board specifications: parsing and writing the text, positions of corners and markers, the drawn pattern.
 #include "calib/board/board_spec.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -214,6 +216,99 @@ std::string textOf(const AprilGrid& board) {
          exactText(board.spacing);
 }
 
+/// OpenCV's dictionaries of 50, 100, 250 and 1000 markers of n x n bits start with the same codes, and their
+/// enumerators are consecutive, starting with 4x4.
+constexpr std::array kSizes{50, 100, 250, 1000};
+constexpr int kMinBits = 4;
+
+/// Index in kSizes of the smallest dictionary that has enough markers.
+std::size_t sizeIndex(const Charuco& board) {
+  const int markers = board.columns * board.rows / 2;
+  std::size_t index = 0;
+  while (index + 1 < kSizes.size() && kSizes[index] < markers)
+    ++index;
+  return index;
+}
+
+MarkerDictionary charucoDictionary(const Charuco& board) {
+  const int name = cv::aruco::DICT_4X4_50 + static_cast<int>(kSizes.size()) * (board.marker_bits - kMinBits) +
+                   static_cast<int>(sizeIndex(board));
+  return {cv::aruco::getPredefinedDictionary(name), 1};
+}
+
+using Rectangles = std::vector<cv::Rect2d>;
+
+/// The black squares of a chessboard whose top left square is black.
+Rectangles blackSquares(int columns, int rows, double side) {
+  Rectangles squares;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = row % 2; column < columns; column += 2)
+      squares.emplace_back(column * side, row * side, side, side);
+  }
+  return squares;
+}
+
+/// A marker's bits with its border, oriented as in the dictionary: CV_8UC1, 0 is black.
+cv::Mat markerBits(const MarkerDictionary& markers, int id) {
+  const int bits = markers.dictionary->markerSize;
+  const cv::Mat inner =
+      cv::aruco::Dictionary::getBitsFromByteList(markers.dictionary->bytesList.rowRange(id, id + 1), bits);
+  const int side = bits + 2 * markers.border_bits;
+  cv::Mat all = cv::Mat::zeros(side, side, CV_8UC1);
+  inner.copyTo(all(cv::Rect(markers.border_bits, markers.border_bits, bits, bits)));
+  return all;
+}
+
+/// The cells [column, end_column) of a row of a marker, as a rectangle on the board.
+cv::Rect2d cellsOf(const BoardMarker& marker, double bits, int row, int column, int end_column) {
+  const auto at = [&](double x, double y) {
+    const Eigen::Vector2d point = marker.corners[0] + x / bits * (marker.corners[1] - marker.corners[0]) +
+                                  y / bits * (marker.corners[3] - marker.corners[0]);
+    return cv::Point2d(point.x(), point.y());
+  };
+  return {at(column, row), at(end_column, row + 1)};
+}
+
+/// Adds a marker's black cells, row by row; adjacent ones become one rectangle.
+void addMarker(const BoardMarker& marker, const cv::Mat& bits, Rectangles& rectangles) {
+  for (int row = 0; row < bits.rows; ++row) {
+    for (int column = 0; column < bits.cols; ++column) {
+      if (bits.at<std::uint8_t>(row, column) != 0) continue;
+      const int begin = column;
+      while (column < bits.cols && bits.at<std::uint8_t>(row, column) == 0)
+        ++column;
+      rectangles.push_back(cellsOf(marker, bits.cols, row, begin, column));
+    }
+  }
+}
+
+void addMarkers(const BoardSpec& board, Rectangles& rectangles) {
+  const MarkerDictionary markers = markerDictionary(board);
+  for (const BoardMarker& marker : boardMarkers(board))
+    addMarker(marker, markerBits(markers, marker.id), rectangles);
+}
+
+Rectangles rectanglesOf(const Chessboard& board) {
+  return blackSquares(board.columns + 1, board.rows + 1, board.square);
+}
+
+Rectangles rectanglesOf(const Charuco& board) {
+  Rectangles rectangles = blackSquares(board.columns, board.rows, board.square);
+  addMarkers(board, rectangles);
+  return rectangles;
+}
+
+Rectangles rectanglesOf(const AprilGrid& board) {
+  const double gap = board.spacing * board.tag, step = board.tag + gap;
+  Rectangles rectangles;
+  for (int row = 0; row <= board.rows; ++row) {
+    for (int column = 0; column <= board.columns; ++column)
+      rectangles.emplace_back(column * step, row * step, gap, gap);
+  }
+  addMarkers(board, rectangles);
+  return rectangles;
+}
+
 }  // namespace
 
 BoardSpec parseBoardSpec(const std::string& text) {
@@ -238,6 +333,26 @@ std::vector<Eigen::Vector2d> boardCorners(const BoardSpec& board) {
 
 std::vector<BoardMarker> boardMarkers(const BoardSpec& board) {
   return std::visit([](const auto& kind) { return markersOf(kind); }, board);
+}
+
+std::string dictionaryName(const BoardSpec& board) {
+  if (std::holds_alternative<AprilGrid>(board)) return "DICT_APRILTAG_36h11";
+  const auto* const charuco = std::get_if<Charuco>(&board);
+  if (charuco == nullptr) return {};
+  const std::string bits = std::to_string(charuco->marker_bits);
+  return "DICT_" + bits + "X" + bits + "_" + std::to_string(kSizes[sizeIndex(*charuco)]);
+}
+
+MarkerDictionary markerDictionary(const BoardSpec& board) {
+  if (const auto* charuco = std::get_if<Charuco>(&board)) return charucoDictionary(*charuco);
+  if (std::holds_alternative<AprilGrid>(board)) {
+    return {cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11), 2};
+  }
+  throw std::invalid_argument("a chessboard has no markers");
+}
+
+std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board) {
+  return std::visit([](const auto& kind) { return rectanglesOf(kind); }, board);
 }
 
 }  // namespace cartvo::calib

@@ -6,6 +6,9 @@
 #include <variant>
 #include <vector>
 
+#include <opencv2/aruco.hpp>
+#include <opencv2/core/types.hpp>
+
 namespace cartvo::calib {
 
 /// A chessboard. As in OpenCV, its size is the number of inner corners, where four squares meet.
@@ -69,5 +72,23 @@ struct BoardMarker {
 
 /// The markers of a board, indexed by id. Empty for a chessboard.
 std::vector<BoardMarker> boardMarkers(const BoardSpec& board);
+
+/// ArUco dictionary of a board's markers, to draw and to detect them.
+struct MarkerDictionary {
+  cv::Ptr<cv::aruco::Dictionary> dictionary;  ///< contains at least the board's ids
+  int border_bits = 1;                        ///< width of the black border, in bits
+};
+
+/// The smallest dictionary that contains a board's markers, since a smaller one corrects more bit errors.
+/// Throws std::invalid_argument for a chessboard, which has no markers.
+MarkerDictionary markerDictionary(const BoardSpec& board);
+
+/// Name of this dictionary in OpenCV and in other programs that print boards, such as "DICT_4X4_50"; empty
+/// for a chessboard.
+std::string dictionaryName(const BoardSpec& board);
+
+/// The black rectangles of a printed calibration board, in board axes (see board_spec.hpp), m. They may touch
+/// but do not overlap.
+std::vector<cv::Rect2d> boardBlackRectangles(const BoardSpec& board);
 
 }  // namespace cartvo::calib

@@ -12,8 +12,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board/board_spec.hpp"
 #include "calib/board/corner_refinement.hpp"
-#include "calib/board/marker_dictionary.hpp"
 
 namespace cartvo::calib {
 namespace {

@@ -1,4 +1,4 @@
-// Reader and writer for Kalibr's camchain.yaml.
+// Readers and writers for Kalibr's camchain.yaml and the sensor.yaml of EuRoC.
 #include "calib/format/kalibr_rig.hpp"
 
 #include <optional>
@@ -85,6 +85,36 @@ Eigen::Isometry3d readRightFromLeft(const StrictYaml& left, const StrictYaml& ri
   return chained;
 }
 
+struct EurocCamera {
+  CameraModel model;
+  Eigen::Isometry3d T_BS = Eigen::Isometry3d::Identity();
+};
+
+EurocCamera readCamera(const std::filesystem::path& file) {
+  const StrictYaml yaml = StrictYaml::readFile(file);
+  if (yaml["camera_model"].text() != "pinhole") yaml["camera_model"].failExpecting("'pinhole'");
+  EurocCamera camera;
+  camera.model.size = readImageSize(yaml["resolution"]);
+  readIntrinsics(yaml["intrinsics"], camera.model);
+  const std::string model = yaml["distortion_model"].text();
+  if (model != "radial-tangential" && model != "radtan" && model != "equidistant")  // radtan: Kimera-VIO
+    yaml["distortion_model"].failExpecting("radial-tangential, radtan or equidistant");
+  if (model == "equidistant") camera.model.lens = LensModel::wide;
+  setDistortion(yaml["distortion_coefficients"].numbers(), yaml["distortion_coefficients"], camera.model);
+  camera.T_BS = transformFrom(readMatrix(yaml["T_BS"], 16), yaml["T_BS"]);
+  return camera;
+}
+
+std::string sensorText(const CameraModel& camera, const Eigen::Isometry3d& T_BS) {
+  return "sensor_type: camera\nT_BS:\n  rows: 4\n  cols: 4\n  data: " +
+         exactText(rowsOf(Eigen::Matrix4d(T_BS.matrix()))) + "\nresolution: [" +
+         std::to_string(camera.size.width) + ", " + std::to_string(camera.size.height) +
+         "]\ncamera_model: pinhole\nintrinsics: " + exactText({camera.fx, camera.fy, camera.cx, camera.cy}) +
+         "\ndistortion_model: " + (camera.lens == LensModel::wide ? "equidistant" : "radial-tangential") +
+         "\ndistortion_coefficients: " +
+         exactText(firstCoefficients(camera, kCoefficients, "EuRoC's radial-tangential model")) + "\n";
+}
+
 }  // namespace
 
 Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
@@ -99,6 +129,22 @@ Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name) {
 std::string kalibrText(const Rig& rig) {
   return "cam0:\n" + cameraText(rig.left, 0) + "cam1:\n  T_cn_cnm1:\n" + transformText(rig.T_right_left) +
          cameraText(rig.right, 1);
+}
+
+Rig readEurocRig(const std::filesystem::path& left_sensor, const std::filesystem::path& right_sensor) {
+  const EurocCamera left = readCamera(left_sensor);
+  const EurocCamera right = readCamera(right_sensor);
+  Rig rig;
+  rig.name = "EuRoC";
+  rig.left = left.model;
+  rig.right = right.model;
+  rig.T_right_left = right.T_BS.inverse() * left.T_BS;
+  return importedRig(rig, right_sensor);
+}
+
+EurocText eurocText(const Rig& rig) {
+  return {sensorText(rig.left, rig.T_body_camera),
+          sensorText(rig.right, rig.T_body_camera * rig.T_right_left.inverse())};
 }
 
 }  // namespace cartvo::calib

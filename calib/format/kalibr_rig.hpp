@@ -22,4 +22,20 @@ Rig parseKalibrRig(const StrictYaml& yaml, const std::filesystem::path& name);
 /// cannot represent.
 std::string kalibrText(const Rig& rig);
 
+/// Reads the two sensor.yaml of a EuRoC sequence, or Kimera-VIO's LeftCameraParams.yaml and the right one:
+/// pinhole cameras with radial-tangential (k1 k2 p1 p2) or equidistant (the wide lens) distortion. T_BS takes
+/// a camera's axes to those of the sensor body, so T_right_left = inverse(right T_BS) * left T_BS.
+/// T_body_camera is forwardLookingMount(), since the pose of the sensor body on the cart is not in the files.
+/// Throws std::runtime_error naming file, line, key and what was expected.
+Rig readEurocRig(const std::filesystem::path& left_sensor, const std::filesystem::path& right_sensor);
+
+/// The texts of the two cameras' sensor.yaml.
+struct EurocText {
+  std::string left, right;
+};
+
+/// The sensor.yaml files of a rig; the body of T_BS is the cart. Throws std::invalid_argument for distortion
+/// that radial-tangential cannot represent.
+EurocText eurocText(const Rig& rig);
+
 }  // namespace cartvo::calib

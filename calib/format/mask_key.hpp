@@ -6,7 +6,7 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "calib/model/static_mask.hpp"
+#include "calib/model/rig.hpp"
 
 namespace cartvo {
 class StrictYaml;

@@ -9,7 +9,6 @@
 
 #include "calib/format/kalibr_rig.hpp"
 #include "calib/format/mask_key.hpp"
-#include "calib/format/matlab_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_parts.hpp"
 #include "calib/model/rig_validation.hpp"

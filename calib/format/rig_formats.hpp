@@ -18,10 +18,10 @@ enum class RigFormat : std::uint8_t {
   cartvo,  ///< rig_file.hpp
   opencv,  ///< opencv_rig.hpp
   kalibr,  ///< kalibr_rig.hpp
-  matlab,  ///< matlab_rig.hpp
-  kitti,   ///< kitti_rig.hpp; calib.txt, without the image size
+  matlab,  ///< opencv_rig.hpp
+  kitti,   ///< ros_rig.hpp; calib.txt, without the image size
   ros,     ///< ros_rig.hpp; one file per camera
-  euroc,   ///< euroc_rig.hpp; one file per camera
+  euroc,   ///< kalibr_rig.hpp; one file per camera
 };
 
 /// The names of the formats, in the order of the enumeration.
@@ -51,5 +51,13 @@ struct RigFile {
 /// The files of a rig in a format. Throws std::invalid_argument with the reason if the format cannot
 /// represent it.
 std::vector<RigFile> rigFilesOf(const Rig& rig, RigFormat format);
+
+/// The formats that rigs are read from, for errors.
+extern const char* const kKnownRigFormats;
+
+/// Throws std::runtime_error for the content of a file that is no text, or a calibration by a tool whose
+/// files are not read: the message names the tool, and how to make a file that is read. Otherwise does
+/// nothing.
+void refuseOtherRigs(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace cartvo::calib

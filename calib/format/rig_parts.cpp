@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
 
-#include "calib/format/other_rigs.hpp"
+#include "calib/format/rig_formats.hpp"
 #include "calib/model/rig_validation.hpp"
 #include "calib/model/rotation.hpp"
 #include "common/exact_text.hpp"

@@ -18,9 +18,4 @@ inline Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& matrix) {
   return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
 }
 
-/// The rotation R that maximises the trace of R^T `products`: with the sum of to * from^T, the one that takes
-/// the vectors `from` to `to` best (W. Kabsch, "A solution for the best rotation to relate two sets of
-/// vectors", 1976).
-Eigen::Matrix3d bestRotation(const Eigen::Matrix3d& products);
-
 }  // namespace cartvo::calib

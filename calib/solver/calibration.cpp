@@ -11,8 +11,8 @@
 #include <opencv2/core/utility.hpp>
 
 #include "calib/rectification/rectification.hpp"
-#include "calib/solver/initial_calibration.hpp"
-#include "calib/solver/rectified_points.hpp"
+#include "calib/solver/cross_validation.hpp"
+#include "calib/solver/stereo_calibration.hpp"
 #include "common/exact_text.hpp"
 
 namespace cartvo::calib {

@@ -6,10 +6,8 @@
 
 #include "calib/board/board_spec.hpp"
 #include "calib/board/view_coverage.hpp"
-#include "calib/solver/calibration_difference.hpp"
 #include "calib/solver/cross_validation.hpp"
 #include "calib/solver/stereo_calibration.hpp"
-#include "calib/solver/sync_fault.hpp"
 
 // Calibration from views: choice of the lens model, outlier rejection and validation.
 

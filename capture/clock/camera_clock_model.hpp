@@ -5,9 +5,7 @@
 #include <string>
 
 #include "capture/clock/arrival_clock_model.hpp"
-#include "capture/clock/arrival_pace.hpp"
 #include "capture/clock/sender_report_clock_model.hpp"
-#include "capture/clock/sender_report_extractor.hpp"
 
 // Clock models of one IP camera, from packet arrivals and sender reports.
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "capture/codec/sequence_parameter_set.hpp"
+#include "capture/codec/nal_units.hpp"
 
 namespace cartvo::capture {
 namespace {

@@ -44,10 +44,74 @@ struct VideoDecoder::Implementation {
     open();
   }
 
-  void open();
-  void restartAtKeyPicture(const EncodedUnit& unit);
-  void noteRefusedSize(const EncodedUnit& unit);
-  void drain();
+  void open() {
+    const AVCodec* codec = avcodec_find_decoder(ffmpeg::codecId(format.codec));
+    if (codec == nullptr) {
+      throw std::runtime_error("this FFmpeg has no decoder for " +
+                               std::string(avcodec_get_name(ffmpeg::codecId(format.codec))));
+    }
+    ffmpeg::CodecContext opened(avcodec_alloc_context3(codec));
+    if (!opened) throw std::bad_alloc();
+    opened->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
+    // Without this flag FFmpeg puts pictures into their order, which delays them.
+    if (!reorders) opened->flags |= AV_CODEC_FLAG_LOW_DELAY;
+    opened->max_pixels = max_pixels;
+    opened->thread_type = FF_THREAD_SLICE;
+    opened->thread_count = threads;
+    if (!format.parameter_sets.empty()) {
+      AVCodecParameters* parameters = avcodec_parameters_alloc();
+      if (parameters == nullptr) throw std::bad_alloc();
+      parameters->codec_type = AVMEDIA_TYPE_VIDEO;
+      parameters->codec_id = codec->id;
+      ffmpeg::setExtradata(*parameters, format.parameter_sets);
+      avcodec_parameters_to_context(opened.get(), parameters);
+      avcodec_parameters_free(&parameters);
+    }
+    if (const int error = avcodec_open2(opened.get(), codec, nullptr); error < 0) {
+      if (!format.parameter_sets.empty()) {  // they are damaged: the stream repeats them
+        format.parameter_sets.clear();
+        return open();
+      }
+      throw std::runtime_error("cannot start the video decoder: " + ffmpeg::errorText(error));
+    }
+    context = std::move(opened);
+  }
+  /// Opens a new decoder before a key picture if the stream turned out to have B-frames, or if the old one
+  /// has decoded damaged data: FFmpeg's H.264 decoder keeps coefficients of a truncated picture in its memory
+  /// and adds them to the first macroblock of the next picture, key or not, without an error.
+  void restartAtKeyPicture(const EncodedUnit& unit) {
+    try {
+      const bool begins_reordering = reorders && (context->flags & AV_CODEC_FLAG_LOW_DELAY) != 0;
+      if (begins_reordering) drain();
+      if (saw_damage || begins_reordering) open();
+      saw_damage = false;
+    } catch (const std::runtime_error&) {
+      // The parameter sets are damaged: continue with the old decoder.
+    }
+    std::vector<std::uint8_t> sets = parameterSets(format.codec, unit.data);
+    if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
+  }
+  /// Notes the size of a picture that was not decoded, if it exceeds the limit.
+  void noteRefusedSize(const EncodedUnit& unit) {
+    const std::unique_ptr<AVCodecParameters, void (*)(AVCodecParameters*)> parameters(
+        avcodec_parameters_alloc(), [](AVCodecParameters* p) { avcodec_parameters_free(&p); });
+    if (!parameters) throw std::bad_alloc();
+    parameters->codec_type = AVMEDIA_TYPE_VIDEO;
+    parameters->codec_id = ffmpeg::codecId(format.codec);
+    if (!format.parameter_sets.empty()) ffmpeg::setExtradata(*parameters, format.parameter_sets);
+    ffmpeg::readPictureSize(*parameters, unit.data);
+    const cv::Size size(parameters->width, parameters->height);
+    if (static_cast<std::int64_t>(size.width) * size.height > max_pixels) refused_size = size;
+  }
+  /// Takes the pictures that the decoder holds, before it is replaced.
+  void drain() {
+    avcodec_send_packet(context.get(), nullptr);
+    for (;;) {
+      std::shared_ptr<AVFrame> picture = makeFrame();
+      if (avcodec_receive_frame(context.get(), picture.get()) < 0) break;
+      drained.push_back(std::move(picture));
+    }
+  }
 
   StreamFormat format;  ///< includes the latest parameter sets
   int threads;
@@ -64,78 +128,6 @@ struct VideoDecoder::Implementation {
   bool damaged = false;      ///< the decoder reported errors since the last refresh
   bool saw_damage = false;   ///< a damaged unit was decoded since the decoder was opened
 };
-
-void VideoDecoder::Implementation::open() {
-  const AVCodec* codec = avcodec_find_decoder(ffmpeg::codecId(format.codec));
-  if (codec == nullptr) {
-    throw std::runtime_error("this FFmpeg has no decoder for " +
-                             std::string(avcodec_get_name(ffmpeg::codecId(format.codec))));
-  }
-  ffmpeg::CodecContext opened(avcodec_alloc_context3(codec));
-  if (!opened) throw std::bad_alloc();
-  opened->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
-  // Without this flag FFmpeg puts pictures into their order, which delays them.
-  if (!reorders) opened->flags |= AV_CODEC_FLAG_LOW_DELAY;
-  opened->max_pixels = max_pixels;
-  opened->thread_type = FF_THREAD_SLICE;
-  opened->thread_count = threads;
-  if (!format.parameter_sets.empty()) {
-    AVCodecParameters* parameters = avcodec_parameters_alloc();
-    if (parameters == nullptr) throw std::bad_alloc();
-    parameters->codec_type = AVMEDIA_TYPE_VIDEO;
-    parameters->codec_id = codec->id;
-    ffmpeg::setExtradata(*parameters, format.parameter_sets);
-    avcodec_parameters_to_context(opened.get(), parameters);
-    avcodec_parameters_free(&parameters);
-  }
-  if (const int error = avcodec_open2(opened.get(), codec, nullptr); error < 0) {
-    if (!format.parameter_sets.empty()) {  // they are damaged: the stream repeats them
-      format.parameter_sets.clear();
-      return open();
-    }
-    throw std::runtime_error("cannot start the video decoder: " + ffmpeg::errorText(error));
-  }
-  context = std::move(opened);
-}
-
-/// Opens a new decoder before a key picture if the stream turned out to have B-frames, or if the old one has
-/// decoded damaged data: FFmpeg's H.264 decoder keeps coefficients of a truncated picture in its memory and
-/// adds them to the first macroblock of the next picture, key or not, without an error.
-void VideoDecoder::Implementation::restartAtKeyPicture(const EncodedUnit& unit) {
-  try {
-    const bool begins_reordering = reorders && (context->flags & AV_CODEC_FLAG_LOW_DELAY) != 0;
-    if (begins_reordering) drain();
-    if (saw_damage || begins_reordering) open();
-    saw_damage = false;
-  } catch (const std::runtime_error&) {
-    // The parameter sets are damaged: continue with the old decoder.
-  }
-  std::vector<std::uint8_t> sets = parameterSets(format.codec, unit.data);
-  if (unit.status == FrameStatus::good && !sets.empty()) format.parameter_sets = std::move(sets);
-}
-
-/// Takes the pictures that the decoder holds, before it is replaced.
-void VideoDecoder::Implementation::drain() {
-  avcodec_send_packet(context.get(), nullptr);
-  for (;;) {
-    std::shared_ptr<AVFrame> picture = makeFrame();
-    if (avcodec_receive_frame(context.get(), picture.get()) < 0) break;
-    drained.push_back(std::move(picture));
-  }
-}
-
-/// Notes the size of a picture that was not decoded, if it exceeds the limit.
-void VideoDecoder::Implementation::noteRefusedSize(const EncodedUnit& unit) {
-  const std::unique_ptr<AVCodecParameters, void (*)(AVCodecParameters*)> parameters(
-      avcodec_parameters_alloc(), [](AVCodecParameters* p) { avcodec_parameters_free(&p); });
-  if (!parameters) throw std::bad_alloc();
-  parameters->codec_type = AVMEDIA_TYPE_VIDEO;
-  parameters->codec_id = ffmpeg::codecId(format.codec);
-  if (!format.parameter_sets.empty()) ffmpeg::setExtradata(*parameters, format.parameter_sets);
-  ffmpeg::readPictureSize(*parameters, unit.data);
-  const cv::Size size(parameters->width, parameters->height);
-  if (static_cast<std::int64_t>(size.width) * size.height > max_pixels) refused_size = size;
-}
 
 VideoDecoder::VideoDecoder(const StreamFormat& format, int threads, std::int64_t max_pixels) {
   keepFfmpegQuiet();

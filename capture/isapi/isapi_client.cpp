@@ -1,13 +1,33 @@
-// Client of ISAPI: login, retries, and errors that say what to do.
+// Client of ISAPI: login, retries, errors that say what to do, and the known keys of cameras.
 #include "capture/isapi/isapi_client.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "capture/isapi/xml_document.hpp"
+#include "common/ascii_text.hpp"
+#include "common/atomic_file.hpp"
+#include "common/input_file.hpp"
+#include "common/printable_text.hpp"
+
 namespace cartvo::capture {
 namespace {
+
+/// A number from 0 to 10^9 at the begin of a text.
+std::optional<int> number(const std::optional<std::string>& text) {
+  constexpr int kMax = 1'000'000'000;
+  int value = 0;
+  if (!text || std::from_chars(text->data(), text->data() + text->size(), value).ec != std::errc() ||
+      value < 0)
+    return std::nullopt;
+  return std::min(value, kMax);
+}
 
 constexpr const char* kUserCheck = "/ISAPI/Security/userCheck";
 constexpr int kMaxAttempts = 2;  // to challenges of one request
@@ -29,7 +49,61 @@ std::string withLoginState(std::string text, const LoginState& state) {
   return known.empty() ? text : std::move(text) + "; " + known;
 }
 
+constexpr std::uintmax_t kMaxFileBytes = 64 * 1024;
+
+std::string nameOf(const HttpAddress& address) {
+  return address.host + ":" + std::to_string(address.port);
+}
+
 }  // namespace
+
+LoginState parseLoginState(std::string_view body) {
+  LoginState state;
+  const std::optional<XmlDocument> document = XmlDocument::parseIfXml(body);
+  if (!document) return state;
+  if (const auto lock = document->anyText("lockStatus")) state.locked = lowerCase(*lock).starts_with("lock");
+  if (const auto seconds = number(document->anyText("unlockTime"))) {
+    if (*seconds > 0 && !state.locked) state.locked = true;
+    if (*seconds > 0 && state.isLocked()) state.unlock_after = std::chrono::seconds(*seconds);
+  }
+  state.attempts_left = number(document->anyText("retryLoginTime"));
+  state.activated = document->anyTruth("isActivated");
+  return state;
+}
+
+std::string loginStateText(const LoginState& state) {
+  if (state.activated == false)
+    return "the camera is not activated: give it a password in its web page or by SADP; until then it "
+           "streams nothing";
+  if (state.isLocked()) {
+    return "the camera has locked this login" +
+           (state.unlock_after ? " for another " + std::to_string(state.unlock_after->count()) + " s"
+                               : std::string());
+  }
+  if (!state.attempts_left) return {};
+  return std::to_string(*state.attempts_left) +
+         (*state.attempts_left == 1 ? " attempt is left" : " attempts are left") +
+         " before the camera locks the login";
+}
+
+bool ResponseStatus::isNotSupported() const {
+  const std::string word = lowerCase(sub_code);
+  return word == "notsupport" || word == "methodnotallowed" || word == "invalidoperation" ||
+         word == "nosuchfunction";
+}
+
+ResponseStatus parseResponseStatus(std::string_view body) {
+  ResponseStatus status;
+  const std::optional<XmlDocument> document = XmlDocument::parseIfXml(body);
+  if (!document) return status;
+  const int code = number(document->anyText("statusCode")).value_or(0);
+  constexpr int kLast = static_cast<int>(ResponseStatus::Code::reboot_required);
+  if (code > 0 && code <= kLast) status.code = static_cast<ResponseStatus::Code>(code);
+  status.sub_code = printableExcerpt(document->anyText("subStatusCode").value_or(""));
+  if (lowerCase(status.sub_code) == "rebootrequired") status.code = ResponseStatus::Code::reboot_required;
+  status.text = printableExcerpt(document->anyText("statusString").value_or(""));
+  return status;
+}
 
 IsapiClient::IsapiClient(const IsapiSettings& settings)
     : settings_(settings),
@@ -231,6 +305,42 @@ bool IsapiClient::answers() {
     if (error.kind() != HttpError::Kind::unreachable) throw;
     return false;
   }
+}
+
+KnownCameras::KnownCameras(std::filesystem::path file) : file_(std::move(file)) {
+  std::error_code error;
+  if (!std::filesystem::exists(file_, error) && !error) return;
+  text_ = readInputText(file_, kMaxFileBytes);
+  if (!text_.empty() && text_.back() != '\n') text_ += '\n';
+  std::istringstream lines(text_);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    std::istringstream words(line);
+    std::string name, key, rest;
+    if (line.empty() || line.front() == '#') continue;
+    if (!(words >> name >> key) || words >> rest || !key.starts_with("sha256//")) {
+      throw std::runtime_error(
+          file_.string() + ":" + std::to_string(number) +
+          ": expected HOST:PORT sha256//KEY; remove the line, the key is then kept anew");
+    }
+  }
+}
+
+std::optional<std::string> KnownCameras::keyOf(const HttpAddress& address) const {
+  std::istringstream lines(text_);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name, key;
+    if (words >> name >> key && name == nameOf(address)) return key;
+  }
+  return std::nullopt;
+}
+
+void KnownCameras::add(const HttpAddress& address, const std::string& key) {
+  if (text_.empty()) text_ = "# Keys of the cameras' HTTPS certificates, kept by cartvo camera --https\n";
+  text_ += nameOf(address) + " " + key + "\n";
+  writeFileAtomically(file_, text_);
 }
 
 }  // namespace cartvo::capture

@@ -3,19 +3,61 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "capture/isapi/http_connection.hpp"
-#include "capture/isapi/isapi_answers.hpp"
 #include "capture/isapi/xml_document.hpp"
 #include "capture/network/credentials.hpp"
 #include "capture/rtsp/digest_authentication.hpp"
 
 // Client of ISAPI, the HTTP interface of Hikvision cameras.
+// Answers of Hikvision cameras beside documents: the state of a login and the result of a request.
 
 namespace cartvo::capture {
+
+/// State of the login at a camera, from the body of a 401 answer or of /ISAPI/Security/userCheck.
+struct LoginState {
+  std::optional<bool> locked;                        ///< nothing: the camera does not say
+  std::optional<std::chrono::seconds> unlock_after;  ///< of a locked login, positive; nothing: not known
+  std::optional<int> attempts_left;                  ///< until the camera locks the login
+  std::optional<bool> activated;  ///< false: the camera has no password yet and does nothing else
+
+  bool isLocked() const { return locked.value_or(false); }
+};
+
+/// Unknown and damaged bodies give an empty state.
+LoginState parseLoginState(std::string_view body);
+
+/// "the camera has locked this login for another 1800 s", "3 attempts are left before the camera locks the
+/// login"; empty if nothing is known.
+std::string loginStateText(const LoginState& state);
+
+/// Result of a request (ResponseStatus).
+struct ResponseStatus {
+  enum class Code : std::uint8_t {
+    unknown = 0,
+    ok = 1,
+    busy = 2,
+    device_error = 3,
+    invalid_operation = 4,
+    invalid_xml_format = 5,
+    invalid_xml_content = 6,
+    reboot_required = 7,
+  };
+  Code code = Code::unknown;
+  std::string sub_code;  ///< printable, for example "notSupport", "lowPrivilege"
+  std::string text;      ///< printable, the camera's words for it
+
+  /// Whether the camera does not have what was asked for.
+  bool isNotSupported() const;
+};
+
+/// Unknown and damaged bodies give Code::unknown.
+ResponseStatus parseResponseStatus(std::string_view body);
 
 struct IsapiSettings {
   HttpAddress address;
@@ -108,6 +150,26 @@ class IsapiClient {
   std::optional<IsapiError> refusal_;  ///< of the password
   bool logged_in_ = false;             ///< the camera has accepted the password
   bool answered_ = false;              ///< the camera has answered a request with success since it started
+};
+
+/// File with the keys of cameras that were met over HTTPS, one line "HOST:PORT sha256//BASE64" each. Cameras
+/// sign their certificates themselves, so that the key of the first meeting is kept and required from then
+/// on.
+class KnownCameras {
+ public:
+  /// Reads the file; a missing one is empty. Throws std::runtime_error naming file and line.
+  explicit KnownCameras(std::filesystem::path file);
+
+  std::optional<std::string> keyOf(const HttpAddress& address) const;
+
+  /// Adds a camera and writes the file. Throws as writeFileAtomically does.
+  void add(const HttpAddress& address, const std::string& key);
+
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+  std::string text_;
 };
 
 }  // namespace cartvo::capture

@@ -1,8 +1,8 @@
-#pragma once
-
 // Index of a recorded stream: a CSV file with one line per picture, in the order of the video file. Each line
 // has a checksum, so that a line that was cut or overwritten is detected.
+#pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "capture/camera_side.hpp"
 #include "capture/encoded_unit.hpp"
+#include "capture/recording/recording_folder.hpp"
 
 namespace cartvo::capture {
 
@@ -56,5 +58,28 @@ RecordingIndex readRecordingIndex(const std::filesystem::path& file);
 
 /// As above, from a stream; `name` is the file name for messages.
 RecordingIndex readRecordingIndex(std::istream& input, const std::filesystem::path& name);
+
+/// Reads the index rows of one camera's pictures, segment by segment. Skips indices that cannot be read,
+/// without an error: RecordingReader reports those. Holds one segment's rows at a time.
+class RecordingIndexReader {
+ public:
+  RecordingIndexReader(const std::filesystem::path& recording, CameraSide side);
+
+  /// Returns the next row; null at the end. Valid until the next call.
+  const IndexRow* next();
+
+  /// Segment of the row that `next` returned.
+  std::uint64_t segment() const { return segment_; }
+
+ private:
+  bool openNextSegment();
+
+  std::vector<RecordingSegment> segments_;
+  CameraSide side_;
+  std::size_t next_segment_ = 0;
+  std::uint64_t segment_ = 0;
+  RecordingIndex index_;
+  std::size_t next_row_ = 0;
+};
 
 }  // namespace cartvo::capture

@@ -125,106 +125,94 @@ struct RecordingReader::Implementation {
   DamageCount lost, altered, unknown;
   bool damaged_since_key = false;  ///< data are missing since the last key picture
 
-  bool openNextSegment();
-  void openSegment(const RecordingSegment& opened);
-  bool readFromSegment(RecordedUnit& recorded);
-  const IndexRow* findRow(std::int64_t time_ms);
-  void closeSegment();
-  void addDamage(const std::string& sentence);
-};
-
-/// Opens the next segment that contains a file of this camera. False if there is none.
-bool RecordingReader::Implementation::openNextSegment() {
-  while (next_segment < segments.size()) {
-    const RecordingSegment& candidate = segments[next_segment++];
-    const bool has_video = std::filesystem::exists(candidate.video(side));
-    const bool has_index = std::filesystem::exists(candidate.index(side));
-    if (!has_video && !has_index) continue;  // the camera sent nothing during this segment
-    try {
-      openSegment(candidate);
+  /// Opens the next segment that contains a file of this camera. False if there is none.
+  bool openNextSegment() {
+    while (next_segment < segments.size()) {
+      const RecordingSegment& candidate = segments[next_segment++];
+      const bool has_video = std::filesystem::exists(candidate.video(side));
+      const bool has_index = std::filesystem::exists(candidate.index(side));
+      if (!has_video && !has_index) continue;  // the camera sent nothing during this segment
+      try {
+        openSegment(candidate);
+        return true;
+      } catch (const std::runtime_error& error) {
+        damage.lost += index.rows.size();
+        damaged_since_key = true;
+        addDamage(error.what());
+      }
+    }
+    return false;
+  }
+  void openSegment(const RecordingSegment& opened) {
+    index = {};
+    index = readRecordingIndex(opened.index(side));
+    video_file = opened.video(side);
+    video.emplace(video_file);
+    segment = opened.number;
+    next_row = 0;
+    lost = altered = unknown = {};
+  }
+  bool readFromSegment(RecordedUnit& recorded) {
+    while (const std::optional<std::int64_t> time_ms = video->readNextPacket()) {
+      const IndexRow* row = findRow(*time_ms);
+      if (row == nullptr) {
+        unknown.add(*time_ms);
+        damaged_since_key = true;
+        continue;
+      }
+      if (row->key) damaged_since_key = false;
+      recorded.unit = toEncodedUnit(*row);
+      const bool intact = video->readPicture(recorded.unit.data) &&
+                          pictureChecksum(video->format().codec, recorded.unit.data) == row->checksum;
+      if (!intact) {
+        altered.add(row->time_ms);
+        damaged_since_key = true;
+      }
+      if (recorded.unit.data.empty()) continue;
+      if (damaged_since_key) recorded.unit.status = FrameStatus::damaged;
+      recorded.format = video->format();
+      recorded.picture_size = video->pictureSize();
+      recorded.segment = segment;
+      recorded.connection = row->connection;
       return true;
-    } catch (const std::runtime_error& error) {
-      damage.lost += index.rows.size();
-      damaged_since_key = true;
-      addDamage(error.what());
     }
+    return false;
   }
-  return false;
-}
-
-void RecordingReader::Implementation::openSegment(const RecordingSegment& opened) {
-  index = {};
-  index = readRecordingIndex(opened.index(side));
-  video_file = opened.video(side);
-  video.emplace(video_file);
-  segment = opened.number;
-  next_row = 0;
-  lost = altered = unknown = {};
-}
-
-bool RecordingReader::Implementation::readFromSegment(RecordedUnit& recorded) {
-  while (const std::optional<std::int64_t> time_ms = video->readNextPacket()) {
-    const IndexRow* row = findRow(*time_ms);
-    if (row == nullptr) {
-      unknown.add(*time_ms);
-      damaged_since_key = true;
-      continue;
-    }
-    if (row->key) damaged_since_key = false;
-    recorded.unit = toEncodedUnit(*row);
-    const bool intact = video->readPicture(recorded.unit.data) &&
-                        pictureChecksum(video->format().codec, recorded.unit.data) == row->checksum;
-    if (!intact) {
-      altered.add(row->time_ms);
+  /// The row of the picture with that file time. Counts the pictures of skipped rows as lost.
+  const IndexRow* findRow(std::int64_t time_ms) {
+    for (; next_row < index.rows.size() && index.rows[next_row].time_ms < time_ms; ++next_row) {
+      lost.add(index.rows[next_row].time_ms);
       damaged_since_key = true;
     }
-    if (recorded.unit.data.empty()) continue;
-    if (damaged_since_key) recorded.unit.status = FrameStatus::damaged;
-    recorded.format = video->format();
-    recorded.picture_size = video->pictureSize();
-    recorded.segment = segment;
-    recorded.connection = row->connection;
-    return true;
+    if (next_row == index.rows.size() || index.rows[next_row].time_ms != time_ms) return nullptr;
+    return &index.rows[next_row++];
   }
-  return false;
-}
-
-/// The row of the picture with that file time. Counts the pictures of skipped rows as lost.
-const IndexRow* RecordingReader::Implementation::findRow(std::int64_t time_ms) {
-  for (; next_row < index.rows.size() && index.rows[next_row].time_ms < time_ms; ++next_row) {
-    lost.add(index.rows[next_row].time_ms);
-    damaged_since_key = true;
+  void closeSegment() {
+    for (; next_row < index.rows.size(); ++next_row) {
+      lost.add(index.rows[next_row].time_ms);
+      damaged_since_key = true;
+    }
+    const auto describe = [&](const DamageCount& tally, const char* what) {
+      if (tally.count == 0) return;
+      addDamage(video_file.string() + " is damaged or truncated: " + std::to_string(tally.count) + what +
+                ", the first at " + seconds(tally.first_ms));
+    };
+    describe(lost, " pictures cannot be read");
+    describe(altered, " pictures differ from their checksum");
+    if (!index.damage.empty() || unknown.count > 0) {
+      const std::string location = index.damage.empty()
+                                       ? "the index of " + video_file.string() + " is shorter than the video"
+                                       : index.damage;
+      addDamage(location + ": " + std::to_string(unknown.count) + " pictures have no line");
+    }
+    damage.lost += lost.count;
+    damage.altered += altered.count + unknown.count;
+    video.reset();
   }
-  if (next_row == index.rows.size() || index.rows[next_row].time_ms != time_ms) return nullptr;
-  return &index.rows[next_row++];
-}
-
-void RecordingReader::Implementation::closeSegment() {
-  for (; next_row < index.rows.size(); ++next_row) {
-    lost.add(index.rows[next_row].time_ms);
-    damaged_since_key = true;
+  void addDamage(const std::string& sentence) {
+    if (damage.places.size() < kMaxDamagePlaces) damage.places.push_back(sentence);
   }
-  const auto describe = [&](const DamageCount& tally, const char* what) {
-    if (tally.count == 0) return;
-    addDamage(video_file.string() + " is damaged or truncated: " + std::to_string(tally.count) + what +
-              ", the first at " + seconds(tally.first_ms));
-  };
-  describe(lost, " pictures cannot be read");
-  describe(altered, " pictures differ from their checksum");
-  if (!index.damage.empty() || unknown.count > 0) {
-    const std::string location = index.damage.empty()
-                                     ? "the index of " + video_file.string() + " is shorter than the video"
-                                     : index.damage;
-    addDamage(location + ": " + std::to_string(unknown.count) + " pictures have no line");
-  }
-  damage.lost += lost.count;
-  damage.altered += altered.count + unknown.count;
-  video.reset();
-}
-
-void RecordingReader::Implementation::addDamage(const std::string& sentence) {
-  if (damage.places.size() < kMaxDamagePlaces) damage.places.push_back(sentence);
-}
+};
 
 RecordingReader::RecordingReader(const std::filesystem::path& folder, CameraSide side)
     : implementation_(std::make_unique<Implementation>()) {

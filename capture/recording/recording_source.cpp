@@ -1,5 +1,4 @@
-// Replay of one camera of a recording.
-
+// Replay of one camera of a recording, and the stamping anew of its pictures.
 #include "capture/recording/recording_source.hpp"
 
 #include <atomic>
@@ -9,10 +8,12 @@
 #include <utility>
 
 #include "capture/codec/video_decoder.hpp"
-#include "capture/recording/recording_timestamper.hpp"
 
 namespace cartvo::capture {
 namespace {
+
+/// Time stamps that wait while the other camera sends nothing, several hours of them; the oldest are dropped.
+constexpr std::size_t kMaxWaiting = 1U << 20;
 
 /// One sentence for the health report: the first damage and the number of further ones; else the number of
 /// pictures that were not stamped anew.
@@ -32,13 +33,82 @@ std::string damageText(const RecordingDamage& damage, std::uint64_t frames, std:
 
 }  // namespace
 
+RecordingTimestamper::RecordingTimestamper(const std::filesystem::path& recording, ClockChoice choice)
+    : timestamper_(choice),
+      sides_{Side(RecordingIndexReader(recording, CameraSide::left)),
+             Side(RecordingIndexReader(recording, CameraSide::right))} {}
+
+/// Timestamps the picture that arrived next, of either camera. False at the end of both.
+bool RecordingTimestamper::stampNext() {
+  const IndexRow* left = sides_[0].next;
+  const IndexRow* right = sides_[1].next;
+  if (left == nullptr && right == nullptr) return false;
+  const bool is_left = right == nullptr || (left != nullptr && left->order < right->order);
+  const CameraSide which = is_left ? CameraSide::left : CameraSide::right;
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  const IndexRow& row = *side.next;
+  if (row.connection != side.connection) timestamper_.connect(which);
+  side.connection = row.connection;
+  const ExposureTimestamp timestamp =
+      timestamper_.stamp(which, {row.pts, row.reference_us, row.first_arrival_ns});
+  side.waiting.push_back({row.order, timestamp});
+  if (side.waiting.size() > kMaxWaiting) side.waiting.pop_front();
+  side.next = side.rows.next();
+  return true;
+}
+
+std::optional<ExposureTimestamp> RecordingTimestamper::stamp(CameraSide which, std::uint64_t order) {
+  Side& side = sides_[static_cast<std::size_t>(which)];
+  for (;;) {
+    while (!side.waiting.empty() && side.waiting.front().order < order)
+      side.waiting.pop_front();
+    if (!side.waiting.empty()) break;
+    if (!stampNext()) return std::nullopt;
+  }
+  if (side.waiting.front().order != order) return std::nullopt;
+  const ExposureTimestamp timestamp = side.waiting.front().timestamp;
+  side.waiting.pop_front();
+  return timestamp;
+}
+
 struct RecordingSource::Implementation {
   Implementation(const std::filesystem::path& folder, CameraSide camera,
                  std::shared_ptr<RecordingTimestamper> shared_timestamper)
       : side(camera), timestamper(std::move(shared_timestamper)), reader(folder, camera) {}
 
-  bool decodeNext();
-  bool readUnit();
+  /// Sends the next picture to the decoder, or drains it before the next connection. False at the end.
+  bool decodeNext() {
+    if (next) {
+      decoder.emplace(next->format, 1);
+      connection = next->connection;
+      codec = next->format.codec;
+      decoder->send(std::exchange(next, std::nullopt)->unit);
+      return true;
+    }
+    if (at_end) return false;
+    if (!readUnit()) {
+      at_end = true;
+      if (decoder) decoder->finish();
+      return decoder.has_value();
+    }
+    if (!decoder || current.connection != connection || current.format.codec != codec) {
+      if (decoder) decoder->finish();
+      next = std::move(current);
+      return true;
+    }
+    decoder->send(current.unit);
+    return true;
+  }
+  /// Reads the next picture, with new time stamps if there is a timestamper.
+  bool readUnit() {
+    if (!reader.next(current)) return false;
+    if (!timestamper) return true;
+    EncodedUnit& unit = current.unit;
+    const std::optional<ExposureTimestamp> timestamp = timestamper->stamp(side, unit.order);
+    if (timestamp) setTimestamp(unit, *timestamp);
+    if (!timestamp) ++unstamped;
+    return true;
+  }
 
   CameraSide side;
   std::shared_ptr<RecordingTimestamper> timestamper;  ///< null: the recorded instants are used
@@ -65,41 +135,6 @@ RecordingSource::RecordingSource(const std::filesystem::path& folder, CameraSide
     : implementation_(std::make_unique<Implementation>(folder, side, std::move(timestamper))) {}
 
 RecordingSource::~RecordingSource() = default;
-
-/// Reads the next picture, with new time stamps if there is a timestamper.
-bool RecordingSource::Implementation::readUnit() {
-  if (!reader.next(current)) return false;
-  if (!timestamper) return true;
-  EncodedUnit& unit = current.unit;
-  const std::optional<ExposureTimestamp> timestamp = timestamper->stamp(side, unit.order);
-  if (timestamp) setTimestamp(unit, *timestamp);
-  if (!timestamp) ++unstamped;
-  return true;
-}
-
-/// Sends the next picture to the decoder, or drains it before the next connection. False at the end.
-bool RecordingSource::Implementation::decodeNext() {
-  if (next) {
-    decoder.emplace(next->format, 1);
-    connection = next->connection;
-    codec = next->format.codec;
-    decoder->send(std::exchange(next, std::nullopt)->unit);
-    return true;
-  }
-  if (at_end) return false;
-  if (!readUnit()) {
-    at_end = true;
-    if (decoder) decoder->finish();
-    return decoder.has_value();
-  }
-  if (!decoder || current.connection != connection || current.format.codec != codec) {
-    if (decoder) decoder->finish();
-    next = std::move(current);
-    return true;
-  }
-  decoder->send(current.unit);
-  return true;
-}
 
 ReadOutcome RecordingSource::read(Frame& frame, std::chrono::milliseconds /*timeout*/) {
   Implementation& self = *implementation_;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "capture/encoded_unit.hpp"
-#include "capture/recording/recording_quota.hpp"
+#include "capture/recording/recording_folder.hpp"
 
 // Recording of both cameras in a separate thread.
 

@@ -7,7 +7,6 @@
 
 #include "capture/codec/nal_units.hpp"
 #include "capture/codec/refresh_detector.hpp"
-#include "capture/codec/sequence_parameter_set.hpp"
 #include "capture/encoded_unit.hpp"
 
 namespace cartvo::capture {

@@ -12,11 +12,11 @@
 
 #include "capture/clock/frame_period_estimator.hpp"
 #include "capture/codec/video_decoder.hpp"
-#include "capture/frozen_picture_detector.hpp"
 #include "capture/rtsp/access_unit_assembler.hpp"
 #include "capture/rtsp/loss_detector.hpp"
 #include "capture/rtsp/rtsp_session.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
+#include "capture/stream_remarks.hpp"
 #include "common/exact_text.hpp"
 #include "common/image_size.hpp"
 

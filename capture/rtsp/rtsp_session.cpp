@@ -10,7 +10,6 @@
 
 #include "capture/network/udp_ports.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
-#include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_client.hpp"
 #include "capture/rtsp/session_description.hpp"
 #include "common/ascii_text.hpp"

@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 
 #include "capture/network/name_resolver.hpp"
-#include "capture/network/timed_receiver.hpp"
+#include "capture/network/udp_ports.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 

@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "capture/frozen_picture_detector.hpp"
 #include "capture/stream_remarks.hpp"
 #include "capture/v4l2/v4l2_device.hpp"
 #include "common/host_clock.hpp"

@@ -1,4 +1,4 @@
-// Checks that standard output received everything.
+// Checks that standard output received everything; messages for errors of the file system.
 #include "common/command_line/standard_output.hpp"
 
 #include <cerrno>
@@ -24,6 +24,16 @@ std::string standardOutputError() {
   if (std::fflush(stdout) == 0 && !failed_before) return {};
   const std::string reason = errno == 0 ? "" : ": " + std::generic_category().message(errno);
   return "standard output cannot be written" + reason + "; the output is not complete";
+}
+
+std::string textOf(const std::filesystem::filesystem_error& error) {
+  const std::filesystem::path& path = error.path1();
+  std::string text = path.string() + ": cannot be accessed: " + error.code().message();
+  std::error_code no_current_folder;
+  const std::filesystem::path current = std::filesystem::current_path(no_current_folder);
+  if (current.empty() && path.is_relative())
+    text += "; the current folder was removed: change to one that exists, or give whole paths";
+  return text;
 }
 
 }  // namespace cartvo

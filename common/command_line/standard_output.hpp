@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace cartvo {
@@ -13,5 +14,8 @@ void occupyStandardDescriptors();
 /// the name of standard output; empty: all was written. For the end of a program, whose exit code would
 /// otherwise claim success.
 std::string standardOutputError();
+
+/// "PATH: cannot be accessed: REASON", with advice if the current folder does not exist any more.
+std::string textOf(const std::filesystem::filesystem_error& error);
 
 }  // namespace cartvo

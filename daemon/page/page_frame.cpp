@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "daemon/page/page_sample.hpp"
+#include "daemon/page/page_history.hpp"
 
 namespace cartvo::daemon {
 namespace {

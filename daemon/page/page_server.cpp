@@ -76,12 +76,85 @@ struct PageServer::Implementation {
         controllers(settings.controllers),
         server(kServerThreads, HttpLimits{.request_bytes = 8192}) {}
 
-  void route();
-  void routeData(const char* path, const std::function<void(const Request&, Response&)>& answer);
-  void answerFrame(const Request& request, Response& response) const;
-  void login(const Request& request, Response& response);
-  void control(const Request& request, Response& response);
-  std::string about(const Request& request) const;
+  void route() {
+    server.set_default_headers({{"Cache-Control", "no-store"},
+                                {"X-Content-Type-Options", "nosniff"},
+                                {"X-Frame-Options", "DENY"},
+                                {"Referrer-Policy", "same-origin"},
+                                {"Cross-Origin-Resource-Policy", "same-origin"},
+                                {"Content-Security-Policy",
+                                 "default-src 'none'; script-src 'self'; style-src 'self'; connect-src "
+                                 "'self'; img-src 'self' data:; "
+                                 "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"}});
+    for (const PageFile& file : pageFiles()) {
+      server.Get(file.path, [&file](const Request&, Response& response) {
+        response.set_content(file.content.data(), file.content.size(), file.type);
+      });
+    }
+    server.Get("/about.json", [this](const Request& request, Response& response) {
+      response.set_content(about(request), "application/json");
+    });
+    routeData("/history.json", [this](const Request&, Response& response) {
+      response.set_content(content.history(), "application/json");
+    });
+    routeData("/health.json", [this](const Request&, Response& response) {
+      response.set_content(content.health(), "application/json");
+    });
+    routeData("/frame",
+              [this](const Request& request, Response& response) { answerFrame(request, response); });
+    server.Post("/login", [this](const Request& request, Response& response) { login(request, response); });
+    server.Post("/control",
+                [this](const Request& request, Response& response) { control(request, response); });
+  }
+  void routeData(const char* path, const std::function<void(const Request&, Response&)>& answer) {
+    server.Get(path, [this, answer](const Request& request, Response& response) {
+      if (!mayRead(request)) return answerText(response, kUnauthorized, "the token is needed");
+      answer(request, response);
+    });
+  }
+  void answerFrame(const Request& request, Response& response) const {
+    const std::optional<std::string> frame = request.has_param("pair")
+                                                 ? content.storedFrame(number(request, "pair", UINT64_MAX))
+                                                 : content.newestFrame(number(request, "seen", 0));
+    if (frame) return response.set_content(*frame, "application/octet-stream");
+    response.status = request.has_param("pair") ? kNotFound : kNoContent;
+  }
+  void login(const Request& request, Response& response) {
+    if (!comesFromPage(request)) return answerText(response, kForbidden, kNotFromPage);
+    if (!access.mayTryLogin()) return answerText(response, kTooMany, "too many wrong tokens: wait a minute");
+    if (!access.isToken(request.body)) {
+      access.addWrongLogin();
+      return answerText(response, kUnauthorized, "this is not the token");
+    }
+    response.set_header("Set-Cookie", access.cookie());
+    response.status = kNoContent;
+  }
+  /// A request with a cookie, or of a page that needs none, must come from the page itself; a program that
+  /// sends the token as a header need not say where it comes from.
+  void control(const Request& request, Response& response) {
+    const bool sends_token = access.isHolder("", request.get_header_value("Authorization"));
+    if (!(sends_token && !request.has_header("Origin")) && !comesFromPage(request))
+      return answerText(response, kForbidden, kNotFromPage);
+    if (!mayControl(request)) return answerText(response, kUnauthorized, "the token is needed");
+    constexpr std::size_t kMaxActionBytes = 64;
+    if (request.body.empty() || request.body.size() > kMaxActionBytes)
+      return answerText(response, kBadRequest, "expected the name of an action");
+    const std::string reason = content.control(request.body);
+    if (!reason.empty()) return answerText(response, kConflict, reason);
+    response.status = kNoContent;
+  }
+  /// JSON that the page needs before it may read data.
+  std::string about(const Request& request) const {
+    if (!mayRead(request)) return R"({"login":"needed"})";
+    const char* may_control = "no";
+    if (mayControl(request)) {
+      may_control = "yes";
+    } else if (access.hasToken()) {
+      may_control = "with_token";
+    }
+    return fmt::format(R"({{"login":"{}","control":"{}","content":{}}})",
+                       isHolder(request) ? "done" : "not_needed", may_control, content.about());
+  }
   bool isHolder(const Request& request) const {
     return access.isHolder(request.get_header_value("Cookie"), request.get_header_value("Authorization"));
   }
@@ -98,90 +171,6 @@ struct PageServer::Implementation {
   std::string url;
   HttpService server;  ///< last, because its threads use the others
 };
-
-void PageServer::Implementation::route() {
-  server.set_default_headers(
-      {{"Cache-Control", "no-store"},
-       {"X-Content-Type-Options", "nosniff"},
-       {"X-Frame-Options", "DENY"},
-       {"Referrer-Policy", "same-origin"},
-       {"Cross-Origin-Resource-Policy", "same-origin"},
-       {"Content-Security-Policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; "
-        "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"}});
-  for (const PageFile& file : pageFiles()) {
-    server.Get(file.path, [&file](const Request&, Response& response) {
-      response.set_content(file.content.data(), file.content.size(), file.type);
-    });
-  }
-  server.Get("/about.json", [this](const Request& request, Response& response) {
-    response.set_content(about(request), "application/json");
-  });
-  routeData("/history.json", [this](const Request&, Response& response) {
-    response.set_content(content.history(), "application/json");
-  });
-  routeData("/health.json", [this](const Request&, Response& response) {
-    response.set_content(content.health(), "application/json");
-  });
-  routeData("/frame", [this](const Request& request, Response& response) { answerFrame(request, response); });
-  server.Post("/login", [this](const Request& request, Response& response) { login(request, response); });
-  server.Post("/control", [this](const Request& request, Response& response) { control(request, response); });
-}
-
-void PageServer::Implementation::routeData(const char* path,
-                                           const std::function<void(const Request&, Response&)>& answer) {
-  server.Get(path, [this, answer](const Request& request, Response& response) {
-    if (!mayRead(request)) return answerText(response, kUnauthorized, "the token is needed");
-    answer(request, response);
-  });
-}
-
-/// JSON that the page needs before it may read data.
-std::string PageServer::Implementation::about(const Request& request) const {
-  if (!mayRead(request)) return R"({"login":"needed"})";
-  const char* may_control = "no";
-  if (mayControl(request)) {
-    may_control = "yes";
-  } else if (access.hasToken()) {
-    may_control = "with_token";
-  }
-  return fmt::format(R"({{"login":"{}","control":"{}","content":{}}})",
-                     isHolder(request) ? "done" : "not_needed", may_control, content.about());
-}
-
-void PageServer::Implementation::answerFrame(const Request& request, Response& response) const {
-  const std::optional<std::string> frame = request.has_param("pair")
-                                               ? content.storedFrame(number(request, "pair", UINT64_MAX))
-                                               : content.newestFrame(number(request, "seen", 0));
-  if (frame) return response.set_content(*frame, "application/octet-stream");
-  response.status = request.has_param("pair") ? kNotFound : kNoContent;
-}
-
-void PageServer::Implementation::login(const Request& request, Response& response) {
-  if (!comesFromPage(request)) return answerText(response, kForbidden, kNotFromPage);
-  if (!access.mayTryLogin()) return answerText(response, kTooMany, "too many wrong tokens: wait a minute");
-  if (!access.isToken(request.body)) {
-    access.addWrongLogin();
-    return answerText(response, kUnauthorized, "this is not the token");
-  }
-  response.set_header("Set-Cookie", access.cookie());
-  response.status = kNoContent;
-}
-
-/// A request with a cookie, or of a page that needs none, must come from the page itself; a program that
-/// sends the token as a header need not say where it comes from.
-void PageServer::Implementation::control(const Request& request, Response& response) {
-  const bool sends_token = access.isHolder("", request.get_header_value("Authorization"));
-  if (!(sends_token && !request.has_header("Origin")) && !comesFromPage(request))
-    return answerText(response, kForbidden, kNotFromPage);
-  if (!mayControl(request)) return answerText(response, kUnauthorized, "the token is needed");
-  constexpr std::size_t kMaxActionBytes = 64;
-  if (request.body.empty() || request.body.size() > kMaxActionBytes)
-    return answerText(response, kBadRequest, "expected the name of an action");
-  const std::string reason = content.control(request.body);
-  if (!reason.empty()) return answerText(response, kConflict, reason);
-  response.status = kNoContent;
-}
 
 PageServer::PageServer(const PageServerSettings& settings, PageContent& content)
     : implementation_(std::make_unique<Implementation>(settings, content)) {

@@ -1,4 +1,4 @@
-// Live status page: the thread that turns pairs into frames, and the answers to the server's threads.
+// Live status page: handover of pairs, the thread that turns them into frames, the server's answers.
 #include "daemon/page/status_page.hpp"
 
 #include <limits>
@@ -12,6 +12,9 @@
 namespace cartvo::daemon {
 namespace {
 
+constexpr std::chrono::milliseconds kViewPeriod{100}, kPicturePeriod{200};
+constexpr std::chrono::nanoseconds kViewerSilence = std::chrono::seconds(2);
+
 constexpr std::chrono::milliseconds kWatchedPeriod{40}, kUnwatchedPeriod{250};
 constexpr std::chrono::milliseconds kLongestPairPeriod{600};  // then each camera's own picture is shown
 constexpr std::size_t kNewestSamples = 32;                    // in each frame: 0.5 s of 60 Hz
@@ -24,6 +27,47 @@ std::string sampleNames() {
 }
 
 }  // namespace
+
+bool LiveHandover::hasViewer(Clock::time_point now) const {
+  const std::int64_t last = last_viewer_ns_;
+  return last != 0 && now.time_since_epoch().count() - last < kViewerSilence.count();
+}
+
+pipeline::PairView* LiveHandover::nextViewAt(Clock::time_point now) {
+  is_filled_ = false;
+  if (!hasViewer(now)) return nullptr;
+  if (now < next_view_) return nullptr;
+  next_view_ += kViewPeriod;  // ten a second on average, whatever the frame rate
+  if (next_view_ <= now) next_view_ = now + kViewPeriod;
+  if (!filling_) filling_ = used_.take();
+  if (!filling_) filling_ = std::make_unique<PageSnapshot>();
+  is_filled_ = true;
+  return &filling_->view;
+}
+
+void LiveHandover::addPair(const PageSample& sample) {
+  samples_.push(sample);
+  if (!std::exchange(is_filled_, false)) return;
+  filling_->sequence = sample.sequence();
+  filling_ = snapshots_.put(std::move(filling_));
+}
+
+void LiveHandover::addFrame(capture::CameraSide side, const cv::Mat& picture, Clock::time_point now) {
+  Camera& camera = cameras_[static_cast<std::size_t>(side)];
+  camera.last_ns = now.time_since_epoch().count();
+  if (!hasViewer(now) || now < camera.next_picture) return;
+  camera.next_picture = now + kPicturePeriod;
+  camera.picture.put(std::make_unique<cv::Mat>(picture.clone()));
+}
+
+CameraView LiveHandover::takeCamera(capture::CameraSide side, Clock::time_point now) {
+  Camera& camera = cameras_[static_cast<std::size_t>(side)];
+  const std::int64_t last = camera.last_ns;
+  const std::unique_ptr<cv::Mat> picture = camera.picture.take();
+  return {picture ? *picture : cv::Mat(),
+          last == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : std::chrono::duration<double>(now.time_since_epoch() - Clock::duration(last)).count()};
+}
 
 std::string aboutJson(const std::string& mode, const std::string& title) {
   return fmt::format(R"({{"mode":"{}","start":{},"version":"{}","title":{},"sample":{}}})", mode,

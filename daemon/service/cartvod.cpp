@@ -22,7 +22,6 @@
 #include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
-#include "common/files/file_system_error.hpp"
 #include "daemon/diagnostics/journal.hpp"
 #include "daemon/diagnostics/log.hpp"
 #include "daemon/service/awaited_signals.hpp"

@@ -11,7 +11,7 @@
 #include <spdlog/common.h>
 
 #include "calib/model/rig.hpp"
-#include "capture/recording/recording_quota.hpp"
+#include "capture/recording/recording_folder.hpp"
 #include "capture/rtsp/rtsp_camera.hpp"
 #include "capture/v4l2/v4l2_picture.hpp"
 #include "common/http/listen_address.hpp"

@@ -7,7 +7,7 @@
 #include <pybind11/stl.h>
 
 #include "common/exact_text.hpp"
-#include "pipeline/rectified_camera.hpp"
+#include "pipeline/pair_processor.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/pair.hpp"

@@ -8,7 +8,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "capture/pair_reader.hpp"
+#include "capture/pair_synchroniser.hpp"
 #include "capture/stereo_source.hpp"
 #include "pipeline/source_rig.hpp"
 #include "python/bindings/arrays.hpp"

@@ -8,7 +8,7 @@
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"
 #include "common/threads/parallel_loop.hpp"
-#include "pipeline/rectified_camera.hpp"
+#include "pipeline/pair_processor.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/bindings.hpp"
 

@@ -1,7 +1,5 @@
 // Pairs of two sources that end. Texts of what a camera sends and what is left out. Pictures that repeat,
 // of textured scenes and behind a covered lens.
-#include "capture/pair_reader.hpp"
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "capture/frozen_picture_detector.hpp"
+#include "capture/pair_synchroniser.hpp"
 #include "capture/stream_remarks.hpp"
 
 namespace cartvo::capture {

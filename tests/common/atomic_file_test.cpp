@@ -18,7 +18,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/atomic_file_writer.hpp"
 #include "support/error_message.hpp"
 #include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"

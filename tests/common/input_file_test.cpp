@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "common/atomic_file.hpp"
 #include "common/files/foreign_format.hpp"
-#include "common/files/unfinished_folder.hpp"
 #include "support/error_message.hpp"
 #include "support/temporary_folder.hpp"
 

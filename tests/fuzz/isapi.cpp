@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "capture/isapi/isapi_answers.hpp"
+#include "capture/isapi/isapi_client.hpp"
 #include "capture/isapi/xml_document.hpp"
 #include "common/printable_text.hpp"
 #include "tests/fuzz/fuzzing.hpp"

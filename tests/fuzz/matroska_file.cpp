@@ -1,7 +1,6 @@
 // Fuzz target for the header of a recorded video file, which shows whether it was finalised.
 
-#include "capture/recording/matroska_file.hpp"
-
+#include "capture/recording/recording_summary.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 
 using namespace cartvo;

@@ -7,8 +7,8 @@
 
 #include "capture/clock/stereo_timestamper.hpp"
 #include "capture/recording/recording_reader.hpp"
+#include "capture/recording/recording_source.hpp"
 #include "capture/recording/recording_summary.hpp"
-#include "capture/recording/recording_timestamper.hpp"
 #include "capture/recording/recording_writer.hpp"
 #include "tests/fuzz/fuzzing.hpp"
 

@@ -2,7 +2,6 @@
 
 #include "capture/rtsp/digest_authentication.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
-#include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "capture/rtsp/session_description.hpp"

@@ -1,7 +1,7 @@
 // Iteration over the synchronised pairs of a source on disk.
 #include "tools/calibrate/source_pairs.hpp"
 
-#include "capture/pair_reader.hpp"
+#include "capture/pair_synchroniser.hpp"
 
 namespace cartvo::calibrate {
 

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "calib/format/rig_file.hpp"
-#include "capture/isapi/known_cameras.hpp"
+#include "capture/isapi/isapi_client.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "daemon/service/camera_password.hpp"
 #include "tools/camera/network/camera_ports.hpp"

@@ -13,7 +13,6 @@
 #include "common/command_line/command_line.hpp"
 #include "common/command_line/parser.hpp"
 #include "common/command_line/standard_output.hpp"
-#include "common/files/file_system_error.hpp"
 #include "common/printable_text.hpp"
 #include "tools/cartvo/commands.hpp"
 

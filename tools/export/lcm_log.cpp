@@ -7,7 +7,7 @@
 
 #include <lcm/lcm-cpp.hpp>
 
-#include "common/atomic_file_writer.hpp"
+#include "common/atomic_file.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/configuration.hpp"
 #include "tools/export/export_source.hpp"

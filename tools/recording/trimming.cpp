@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "capture/recording/recording_index_reader.hpp"
+#include "capture/recording/recording_index.hpp"
 #include "capture/recording/recording_reader.hpp"
 #include "capture/recording/recording_writer.hpp"
+#include "common/atomic_file.hpp"
 #include "common/exact_text.hpp"
-#include "common/files/unfinished_folder.hpp"
 
 namespace cartvo {
 namespace {

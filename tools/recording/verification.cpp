@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "capture/recording/recording_folder.hpp"
-#include "capture/recording/recording_index_reader.hpp"
+#include "capture/recording/recording_index.hpp"
 #include "capture/recording/recording_source.hpp"
 
 namespace cartvo {

@@ -15,7 +15,6 @@
 
 #include "daemon/diagnostics/health_monitor.hpp"
 #include "daemon/page/health_json.hpp"
-#include "daemon/page/page_content.hpp"
 #include "daemon/page/page_history.hpp"
 #include "daemon/page/page_server.hpp"
 #include "pipeline/pair_processor.hpp"

@@ -12,11 +12,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/format/kitti_rig.hpp"
 #include "calib/format/rig_file.hpp"
+#include "calib/format/ros_rig.hpp"
 #include "capture/recording/recording_writer.hpp"
 #include "common/atomic_file.hpp"
-#include "common/files/unfinished_folder.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/trajectory/trajectory.hpp"
 

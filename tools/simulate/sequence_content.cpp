@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "calib/format/euroc_rig.hpp"
+#include "calib/format/kalibr_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"
 #include "common/image_size.hpp"

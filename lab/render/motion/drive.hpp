@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "lab/render/motion/speed_profile.hpp"
 #include "lab/render/motion/uniform_spline.hpp"
-#include "lab/render/motion/weave.hpp"
 #include "lab/render/scene/path.hpp"
 #include "lab/render/world_settings.hpp"
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "lab/render/scene/campus.hpp"
 #include "lab/render/scene/mesh.hpp"
 #include "lab/render/scene/path.hpp"
 
@@ -25,5 +26,9 @@ void addFence(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to
 /// Adds a brick garden wall with a coping from `from` to `to`.
 void addGardenWall(Mesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint32_t seed,
                    const Terrain& terrain);
+
+/// Adds a parking garage around the path to an empty campus: a level floor, walls, a low ceiling with beams,
+/// and along each straight aisle columns and bays with parked cars.
+void addGarage(Campus& campus, const Path& path, std::uint64_t seed);
 
 }  // namespace cartvo::world

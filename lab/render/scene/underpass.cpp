@@ -76,9 +76,50 @@ class UnderpassBuilder {
         right_(underpass.right),
         ceiling_(underpass.ceiling) {}
 
-  void addWallsAndDeck();
-  void addBeams();
-  void addEnds();
+  void addWallsAndDeck() {
+    for (const double s : stepsBelow(to_ - 0.01, from_, kPieceLength)) {
+      const double next = std::min(s + kPieceLength, to_);
+      const auto u0 = static_cast<float>(s);
+      const auto u1 = static_cast<float>(next);
+      const auto wall = [&](double lateral, float z, const Finish& finish) {
+        const float f0 = foot(s, lateral);
+        const float f1 = foot(next, lateral);
+        mesh_.addQuad({at(s, lateral, f0), at(next, lateral, f1), at(next, lateral, z), at(s, lateral, z)},
+                      {Vector2f(u0, f0), Vector2f(u1, f1), Vector2f(u1, z), Vector2f(u0, z)}, finish);
+      };
+      const auto slab = [&](double from, double to, float z) {
+        const auto v0 = static_cast<float>(from) + 20.0F;
+        const auto v1 = static_cast<float>(to) + 20.0F;
+        mesh_.addQuad({at(s, from, z), at(next, from, z), at(next, to, z), at(s, to, z)},
+                      Mesh::rectangle(u0, v0, u1, v1), deck_);
+      };
+      wall(left_, ceiling_, brick_);
+      wall(right_, ceiling_, brick_);
+      wall(left_ + kWallThickness, top_, face_);
+      wall(right_ - kWallThickness, top_, face_);
+      slab(right_, left_, ceiling_);
+      slab(right_ - kWallThickness, left_ + kWallThickness, top_);
+    }
+  }
+  /// Below the ceiling.
+  void addBeams() {
+    const float low = ceiling_ - kBeamDepth;
+    for (const double s : stepsBelow(to_ - 1.0, from_ + 2.0, kBeamSpacing)) {
+      const double end = s + kBeamDepth;
+      addAcross(s, right_, left_, low, ceiling_, deck_);
+      addAcross(end, right_, left_, low, ceiling_, deck_);
+      mesh_.addPlane({at(s, right_, low), at(s, left_, low), at(end, left_, low), at(end, right_, low)},
+                     deck_);
+    }
+  }
+  /// Pillars and the edge of the deck.
+  void addEnds() {
+    for (const double s : {from_, to_}) {
+      addAcross(s, left_, left_ + kWallThickness, foot(s, left_), ceiling_, face_);
+      addAcross(s, right_ - kWallThickness, right_, foot(s, right_), ceiling_, face_);
+      addAcross(s, right_ - kWallThickness, left_ + kWallThickness, ceiling_, top_, face_);
+    }
+  }
 
  private:
   Vector3f at(double s, double lateral, float z) const { return pointAt(path_.at(s).beside(lateral), z); }
@@ -102,52 +143,6 @@ class UnderpassBuilder {
   const Finish deck_{Material::concrete, kSeed + 1, 0.6F};
   const Finish face_{Material::concrete, kSeed + 2, 0.8F};
 };
-
-void UnderpassBuilder::addWallsAndDeck() {
-  for (const double s : stepsBelow(to_ - 0.01, from_, kPieceLength)) {
-    const double next = std::min(s + kPieceLength, to_);
-    const auto u0 = static_cast<float>(s);
-    const auto u1 = static_cast<float>(next);
-    const auto wall = [&](double lateral, float z, const Finish& finish) {
-      const float f0 = foot(s, lateral);
-      const float f1 = foot(next, lateral);
-      mesh_.addQuad({at(s, lateral, f0), at(next, lateral, f1), at(next, lateral, z), at(s, lateral, z)},
-                    {Vector2f(u0, f0), Vector2f(u1, f1), Vector2f(u1, z), Vector2f(u0, z)}, finish);
-    };
-    const auto slab = [&](double from, double to, float z) {
-      const auto v0 = static_cast<float>(from) + 20.0F;
-      const auto v1 = static_cast<float>(to) + 20.0F;
-      mesh_.addQuad({at(s, from, z), at(next, from, z), at(next, to, z), at(s, to, z)},
-                    Mesh::rectangle(u0, v0, u1, v1), deck_);
-    };
-    wall(left_, ceiling_, brick_);
-    wall(right_, ceiling_, brick_);
-    wall(left_ + kWallThickness, top_, face_);
-    wall(right_ - kWallThickness, top_, face_);
-    slab(right_, left_, ceiling_);
-    slab(right_ - kWallThickness, left_ + kWallThickness, top_);
-  }
-}
-
-/// Below the ceiling.
-void UnderpassBuilder::addBeams() {
-  const float low = ceiling_ - kBeamDepth;
-  for (const double s : stepsBelow(to_ - 1.0, from_ + 2.0, kBeamSpacing)) {
-    const double end = s + kBeamDepth;
-    addAcross(s, right_, left_, low, ceiling_, deck_);
-    addAcross(end, right_, left_, low, ceiling_, deck_);
-    mesh_.addPlane({at(s, right_, low), at(s, left_, low), at(end, left_, low), at(end, right_, low)}, deck_);
-  }
-}
-
-/// Pillars and the edge of the deck.
-void UnderpassBuilder::addEnds() {
-  for (const double s : {from_, to_}) {
-    addAcross(s, left_, left_ + kWallThickness, foot(s, left_), ceiling_, face_);
-    addAcross(s, right_ - kWallThickness, right_, foot(s, right_), ceiling_, face_);
-    addAcross(s, right_ - kWallThickness, left_ + kWallThickness, ceiling_, top_, face_);
-  }
-}
 
 }  // namespace
 

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <opencv2/aruco/charuco.hpp>
 
-#include "calib/board/marker_dictionary.hpp"
 #include "support/error_message.hpp"
 
 namespace cartvo::calib {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "calib/format/matlab_rig.hpp"
+#include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "common/atomic_file.hpp"
 #include "common/strict_yaml.hpp"

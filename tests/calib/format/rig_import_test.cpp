@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "calib/format/euroc_rig.hpp"
+#include "calib/format/kalibr_rig.hpp"
 #include "calib/format/opencv_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "calib/format/rig_formats.hpp"

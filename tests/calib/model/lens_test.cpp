@@ -8,9 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "calib/model/brown_distortion.hpp"
 #include "calib/model/projection.hpp"
-#include "calib/model/wide_distortion.hpp"
 #include "calib/rectification/rectification.hpp"
 #include "calib/rectification/rectification_tables.hpp"
 #include "support/calib/rigs.hpp"

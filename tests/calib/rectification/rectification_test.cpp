@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-#include "calib/model/brown_distortion.hpp"
+#include "calib/model/lens.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 

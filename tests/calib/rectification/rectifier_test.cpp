@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "calib/model/brown_distortion.hpp"
+#include "calib/model/lens.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/error_message.hpp"
 

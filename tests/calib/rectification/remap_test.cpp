@@ -1,7 +1,5 @@
 // Remapping, compared with bilinear interpolation in double precision. Raw rows of rectified pixels,
 // compared with the rectification tables.
-#include "calib/rectification/remap.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "calib/rectification/rectification_tables.hpp"
-#include "calib/rectification/row_shares.hpp"
+#include "calib/rectification/rectifier.hpp"
 #include "support/calib/rigs.hpp"
 
 namespace cartvo::calib {

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/solver/rectified_points.hpp"
+#include "calib/solver/cross_validation.hpp"
 #include "common/units.hpp"
 #include "support/calib/board_scene.hpp"
 #include "support/calib/rigs.hpp"

@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/clock/arrival_pace.hpp"
+#include "capture/clock/arrival_clock_model.hpp"
 #include "capture/clock/stereo_timestamper.hpp"
 
 namespace cartvo::capture {

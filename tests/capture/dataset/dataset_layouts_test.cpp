@@ -220,10 +220,10 @@ TEST(ImageFormats, AreGreyOfEightBits) {
   const cv::Mat grey(kSize, CV_8UC1, cv::Scalar(77)), colour(kSize, CV_8UC3, cv::Scalar::all(77)),
       deep(kSize, CV_16UC1, cv::Scalar(77 * 256)), deep_colour(kSize, CV_16UC3, cv::Scalar::all(77 * 256));
   const std::vector<std::pair<std::string, cv::Mat>> images{
-      {"grey.png", grey},     {"grey.pgm", grey},     {"grey.jpg", grey},     {"grey.bmp", grey},
-      {"colour.png", colour}, {"colour.ppm", colour}, {"colour.pnm", colour}, {"colour.jpeg", colour},
-      {"colour.bmp", colour}, {"deep.png", deep},     {"deep.pgm", deep},     {"deep.png", deep_colour},
-      {"deep.tiff", deep}};
+      {"grey.png", grey},     {"grey.pgm", grey},     {"grey.jpg", grey},        {"grey.bmp", grey},
+      {"grey.tiff", grey},    {"grey.TIF", grey},     {"grey.webp", grey},       {"colour.png", colour},
+      {"colour.ppm", colour}, {"colour.pnm", colour}, {"colour.jpeg", colour},   {"colour.bmp", colour},
+      {"deep.png", deep},     {"deep.pgm", deep},     {"deep.png", deep_colour}, {"deep.tiff", deep}};
   for (const auto& [name, image] : images) {
     const fs::path drive = folder / (name + std::to_string(image.type()));
     for (const char* camera : {"image_0", "image_1"})

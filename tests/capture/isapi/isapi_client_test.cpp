@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/isapi/known_cameras.hpp"
 #include "support/camera/isapi_server.hpp"
 #include "support/closed_port.hpp"
 #include "support/error_message.hpp"
@@ -54,9 +53,7 @@ TEST(IsapiClient, ReadsWithDigestOnlyAndOneRequestAtATime) {
 }
 
 TEST(IsapiClient, AsksForTheLockBeforeItSendsAPassword) {
-  CameraHabits habits;
-  habits.is_locked = true;
-  const IsapiServer server(habits);
+  const IsapiServer server({.is_locked = true});
   IsapiClient client(settingsFor(server));
   const IsapiError error = errorOf([&] { client.get(kTime); });
   EXPECT_EQ(error.kind(), IsapiError::Kind::login_locked);
@@ -80,9 +77,7 @@ TEST(IsapiClient, SendsARefusedPasswordOnce) {
 }
 
 TEST(IsapiClient, SendsAPasswordTwiceAtMostToACameraThatCallsEachNonceOld) {
-  CameraHabits habits;
-  habits.always_stale = true;
-  const IsapiServer server(habits);
+  const IsapiServer server({.always_stale = true});
   IsapiClient client(settingsFor(server, "canary-wrong"));
   for (int i = 0; i < 3; ++i)
     EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::login_refused);
@@ -126,17 +121,13 @@ TEST(IsapiClient, AnswersNoChallengeThatStatesALock) {
 }
 
 TEST(IsapiClient, ReportsACameraThatIsNotActivated) {
-  CameraHabits habits;
-  habits.is_activated = false;
-  const IsapiServer server(habits);
+  const IsapiServer server({.is_activated = false});
   IsapiClient client(settingsFor(server));
   EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::not_activated);
 }
 
 TEST(IsapiClient, DoesWithoutUserCheck) {
-  CameraHabits habits;
-  habits.knows_user_check = false;
-  const IsapiServer server(habits);
+  const IsapiServer server({.knows_user_check = false});
   IsapiClient client(settingsFor(server));
   EXPECT_EQ(client.loginState().locked, std::nullopt);
   EXPECT_EQ(client.get(kTime).rootName(), "Time");
@@ -145,9 +136,7 @@ TEST(IsapiClient, DoesWithoutUserCheck) {
 TEST(IsapiClient, AnswersSha256AndBothAlgorithms) {
   for (const std::vector<std::string>& algorithms :
        {std::vector<std::string>{"SHA-256"}, {"MD5", "SHA-256"}, {"SHA-256", "MD5"}}) {
-    CameraHabits habits;
-    habits.algorithms = algorithms;
-    const IsapiServer server(habits);
+    const IsapiServer server({.algorithms = algorithms});
     IsapiClient client(settingsFor(server));
     EXPECT_EQ(client.get(kTime).rootName(), "Time");
     EXPECT_THAT(server.received(), HasSubstr("algorithm=SHA-256"));
@@ -170,27 +159,20 @@ TEST(IsapiClient, TakesANewNonceWhenOneDies) {
 }
 
 TEST(IsapiClient, WaitsForACameraThatStartsOrIsBusy) {
-  CameraHabits habits;
-  habits.booting_answers = 3;
-  habits.busy_answers = 2;
-  const IsapiServer server(habits);
+  const IsapiServer server({.booting_answers = 3, .busy_answers = 2});
   IsapiClient client(settingsFor(server));
   EXPECT_EQ(client.get(kTime).rootName(), "Time");
 }
 
 TEST(IsapiClient, GivesUpOnACameraThatStaysBusy) {
-  CameraHabits habits;
-  habits.busy_answers = 1000;
-  const IsapiServer server(habits);
+  const IsapiServer server({.busy_answers = 1000});
   IsapiClient client(settingsFor(server));
   EXPECT_EQ(errorOf([&] { client.get(kTime); }).kind(), IsapiError::Kind::busy);
   EXPECT_EQ(server.requests().size(), 1U + 1U + 5U) << "user check, first attempt, five more";
 }
 
 TEST(IsapiClient, TellsMissingPermissionFromAWrongPassword) {
-  CameraHabits habits;
-  habits.may_write = false;
-  const IsapiServer server(habits);
+  const IsapiServer server({.may_write = false});
   IsapiClient client(settingsFor(server));
   const XmlDocument time = client.get(kTime);
   const IsapiError error = errorOf([&] { client.put(kTime, time); });
@@ -208,9 +190,7 @@ TEST(IsapiClient, LeavesOutWhatACameraDoesNotHave) {
 
 TEST(IsapiClient, WritesAndSaysWhenARebootIsNeeded) {
   for (const bool wants_reboot : {false, true}) {
-    CameraHabits habits;
-    habits.wants_reboot = wants_reboot;
-    const IsapiServer server(habits);
+    const IsapiServer server({.wants_reboot = wants_reboot});
     IsapiClient client(settingsFor(server));
     XmlDocument time = client.get(kTime);
     time.setTexts("timeMode", "NTP");
@@ -244,12 +224,6 @@ TEST(IsapiClient, NamesAnAddressWhereNothingAnswers) {
   }
 }
 
-test::CameraHabits tlsHabits() {
-  test::CameraHabits habits;
-  habits.tls = true;
-  return habits;
-}
-
 IsapiSettings tlsSettingsFor(const IsapiServer& server, const std::string& key) {
   IsapiSettings settings = settingsFor(server);
   settings.address.tls = true;
@@ -258,7 +232,7 @@ IsapiSettings tlsSettingsFor(const IsapiServer& server, const std::string& key) 
 }
 
 TEST(IsapiTls, ReadsFromTheCameraWhoseKeyWasKept) {
-  const IsapiServer server(tlsHabits());
+  const IsapiServer server({.tls = true});
   const IsapiSettings settings = tlsSettingsFor(server, "");
   const std::string key = HttpConnection(settings.address, settings.timeout).fetchKey();
   EXPECT_THAT(key, testing::MatchesRegex("sha256//[A-Za-z0-9+/]*="));
@@ -268,7 +242,7 @@ TEST(IsapiTls, ReadsFromTheCameraWhoseKeyWasKept) {
 }
 
 TEST(IsapiTls, SendsNothingToADeviceWithAnotherKey) {
-  const IsapiServer camera(tlsHabits()), impostor(tlsHabits());
+  const IsapiServer camera({.tls = true}), impostor({.tls = true});
   const IsapiSettings settings = tlsSettingsFor(camera, "");
   const std::string key = HttpConnection(settings.address, settings.timeout).fetchKey();
   IsapiClient client(tlsSettingsFor(impostor, key));

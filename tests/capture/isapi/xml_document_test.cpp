@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/isapi/isapi_answers.hpp"
+#include "capture/isapi/isapi_client.hpp"
 #include "support/error_message.hpp"
 
 namespace cartvo::capture {
@@ -105,31 +105,28 @@ TEST(XmlDocument, ReadsNoExternalEntities) {
   EXPECT_EQ(document.text("B"), "&e;");
 }
 
-TEST(LoginState, ReadsALock) {
-  const LoginState state = parseLoginState(
-      "<userCheck xmlns='urn:x'><statusValue>401</statusValue><isActivated>true</isActivated>"
-      "<lockStatus>lock</lockStatus><unlockTime> 1800 </unlockTime></userCheck>");
-  EXPECT_TRUE(state.isLocked());
-  EXPECT_EQ(state.unlock_after, std::chrono::seconds(1800));
-  EXPECT_EQ(state.activated, true);
-  EXPECT_EQ(loginStateText(state), "the camera has locked this login for another 1800 s");
-}
-
-TEST(LoginState, DoesNotKnowWhenALockOfZeroSecondsEnds) {
-  const LoginState state =
-      parseLoginState("<userCheck><lockStatus>lock</lockStatus><unlockTime>0</unlockTime></userCheck>");
-  EXPECT_TRUE(state.isLocked());
-  EXPECT_EQ(state.unlock_after, std::nullopt);
-  EXPECT_EQ(loginStateText(state), "the camera has locked this login");
-}
-
-TEST(LoginState, ReadsTheAttemptsThatAreLeft) {
-  const LoginState state = parseLoginState(
-      "<userCheck><lockStatus>unlock</lockStatus><unlockTime>0</unlockTime><retryLoginTime>1</retryLoginTime>"
-      "</userCheck>");
-  EXPECT_FALSE(state.isLocked());
-  EXPECT_EQ(state.unlock_after, std::nullopt);
-  EXPECT_EQ(loginStateText(state), "1 attempt is left before the camera locks the login");
+TEST(LoginState, ReadsLocksAndTheAttemptsThatAreLeft) {
+  const struct {
+    const char* elements;
+    bool is_locked;
+    std::optional<std::chrono::seconds> unlock_after;
+    const char* text;
+  } cases[] = {{"<statusValue>401</statusValue><isActivated>true</isActivated><lockStatus>lock</lockStatus>"
+                "<unlockTime> 1800 </unlockTime>",
+                true, std::chrono::seconds(1800), "the camera has locked this login for another 1800 s"},
+               {"<isActivated>true</isActivated><lockStatus>lock</lockStatus><unlockTime>0</unlockTime>",
+                true, std::nullopt, "the camera has locked this login"},
+               {"<isActivated>true</isActivated><lockStatus>unlock</lockStatus><unlockTime>0</unlockTime>"
+                "<retryLoginTime>1</retryLoginTime>",
+                false, std::nullopt, "1 attempt is left before the camera locks the login"}};
+  for (const auto& [elements, is_locked, unlock_after, text] : cases) {
+    const LoginState state =
+        parseLoginState("<userCheck xmlns='urn:x'>" + std::string(elements) + "</userCheck>");
+    EXPECT_EQ(state.isLocked(), is_locked) << elements;
+    EXPECT_EQ(state.unlock_after, unlock_after) << elements;
+    EXPECT_EQ(state.activated, true);
+    EXPECT_EQ(loginStateText(state), text);
+  }
 }
 
 TEST(LoginState, IsUnknownForOtherAnswers) {

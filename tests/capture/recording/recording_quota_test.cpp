@@ -1,7 +1,5 @@
 // Deletion of old segments.
 
-#include "capture/recording/recording_quota.hpp"
-
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/recording/recording_folder.hpp"
 #include "capture/recording/recording_writer.hpp"
 #include "support/temporary_folder.hpp"
 #include "tests/support/capture/recorded_units.hpp"

@@ -17,6 +17,7 @@
 #include "capture/recording/stream_recorder.hpp"
 #include "capture/stereo_source.hpp"
 #include "support/error_message.hpp"
+#include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "tests/support/capture/encoded_sequence.hpp"
 #include "tests/support/capture/frame_digest.hpp"
@@ -95,13 +96,6 @@ std::vector<EncodedUnit> camera(VideoCodec codec = VideoCodec::h264) {
   return units;
 }
 
-std::string contents(const fs::path& file) {
-  std::ifstream input(file, std::ios::binary);
-  std::ostringstream text;
-  text << input.rdbuf();
-  return text.str();
-}
-
 TEST(Recording, ReplaysSameFramesInstantsAndStatus) {
   for (const VideoCodec codec : {VideoCodec::h264, VideoCodec::h265}) {
     const test::TemporaryFolder folder;
@@ -154,7 +148,7 @@ TEST(Recording, CanBePlayedByFfmpeg) {
       "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height -of csv=p=0 " +
       (folder / "drive/000000/left.mkv").string() + " > " + output.string() + " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_EQ(contents(output), "320,200,45\n");
+  EXPECT_EQ(test::contentsOf(output), "320,200,45\n");
 }
 
 TEST(Recording, KeepsAttributesOfEachPicture) {
@@ -305,7 +299,7 @@ TEST_F(DamagedRecording, ReplaysAfterOverwrittenPartOfVideo) {
 
 TEST_F(DamagedRecording, DetectsChangedPicture) {
   const fs::path video = file("000001/left.mkv");
-  const std::string bytes = contents(video);
+  const std::string bytes = test::contentsOf(video);
   // The middle of picture 17's data, after its header.
   const std::vector<std::uint8_t>& data = units_[17].data;
   const std::string middle(data.begin() + 30, data.begin() + 60);

@@ -126,6 +126,14 @@ TEST(StreamRecorder, RefusesFolderWithOtherFiles) {
 
 constexpr int kNotPermitted = 77;
 
+/// Expects that `work` succeeds in a child process; skips the test where that may mount nothing.
+template <typename Work>
+void expectSuccessInChildProcess(const Work& work) {
+  const int exit_code = runInChildProcess(work);
+  if (exit_code == kNotPermitted) GTEST_SKIP() << "nothing can be mounted here";
+  EXPECT_EQ(exit_code, 0);
+}
+
 /// Enters a new mount namespace. False if that is not permitted.
 bool enterMountNamespace() {
   const uid_t user = getuid();
@@ -168,9 +176,7 @@ int recordUntilPowerCut(const test::TemporaryFolder& folder) {
 
 TEST(StreamRecorder, LosesAtMostOneSecondInPowerCut) {
   const test::TemporaryFolder folder;
-  const int exit_code = runInChildProcess([&] { return recordUntilPowerCut(folder); });
-  if (exit_code == kNotPermitted) GTEST_SKIP() << "disk images cannot be mounted here";
-  EXPECT_EQ(exit_code, 0);
+  expectSuccessInChildProcess([&] { return recordUntilPowerCut(folder); });
 }
 
 /// Records onto a disk of 300 kB until it is full.
@@ -196,9 +202,7 @@ int recordOntoSmallDisk(const fs::path& disk) {
 
 TEST(StreamRecorder, KeepsDataOnDiskThatFillsUp) {
   const test::TemporaryFolder folder;
-  const int exit_code = runInChildProcess([&] { return recordOntoSmallDisk(folder.path()); });
-  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(exit_code, 0);
+  expectSuccessInChildProcess([&] { return recordOntoSmallDisk(folder.path()); });
 }
 
 /// Sends both cameras' pictures, one after another.
@@ -273,18 +277,14 @@ int recordOntoDiskThatFillsUp(const fs::path& disk, std::uint64_t keep_free, con
 
 TEST(StreamRecorder, ResumesInNewSegmentWhenQuotaSpaceIsFreeAgain) {
   const test::TemporaryFolder folder;
-  const int exit_code = runInChildProcess(
+  expectSuccessInChildProcess(
       [&] { return recordOntoDiskThatFillsUp(folder.path(), 5'000'000, "must be kept free"); });
-  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(exit_code, 0);
 }
 
 TEST(StreamRecorder, ResumesInNewSegmentAfterFullDisk) {
   const test::TemporaryFolder folder;
-  const int exit_code = runInChildProcess(
+  expectSuccessInChildProcess(
       [&] { return recordOntoDiskThatFillsUp(folder.path(), 0, "No space left on device"); });
-  if (exit_code == kNotPermitted) GTEST_SKIP() << "no mount namespaces here";
-  EXPECT_EQ(exit_code, 0);
 }
 
 TEST(StreamRecorder, DropsPicturesUpToKeyPictureOnSlowDiskWithoutBlocking) {

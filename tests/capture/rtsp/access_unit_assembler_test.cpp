@@ -298,27 +298,9 @@ TEST(AccessUnitAssembler, ParsesH265) {
     assembler.add({suffix, pts, pts, std::nullopt, true, false});
     while (const std::optional<AssembledUnit> unit = assembler.popUnit()) {
       if (unit->pts == pts) ++early;
-      EXPECT_EQ(unit->data, (Bytes{0,
-                                   0,
-                                   0,
-                                   1,
-                                   static_cast<std::uint8_t>(unit->data[4]),
-                                   1,
-                                   kFirst,
-                                   1,
-                                   2,
-                                   3,
-                                   4,
-                                   5,
-                                   6,
-                                   0,
-                                   0,
-                                   0,
-                                   1,
-                                   kSuffixSei << 1,
-                                   1,
-                                   9,
-                                   9}));
+      Bytes expected = {0, 0, 0, 1, unit->data[4], 1, kFirst, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1};
+      expected.insert(expected.end(), suffix.begin(), suffix.end());
+      EXPECT_EQ(unit->data, expected);
     }
   }
   EXPECT_GT(early, 20U);

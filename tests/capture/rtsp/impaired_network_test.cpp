@@ -36,17 +36,6 @@ const std::vector<EncodedUnit>& pictures() {
   return units;
 }
 
-std::set<std::uint64_t> digests() {
-  VideoDecoder decoder({VideoCodec::h264, {}}, 1);
-  std::set<std::uint64_t> digests;
-  for (const EncodedUnit& unit : pictures()) {
-    decoder.send(unit);
-    while (const std::optional<Frame> frame = decoder.receive())
-      digests.insert(test::digest(frame->image));
-  }
-  return digests;
-}
-
 /// Whether loopback is the only interface, i.e. the network namespace is not shared.
 bool isPrivateNetwork() {
   struct if_nameindex* interfaces = if_nameindex();
@@ -130,7 +119,7 @@ class PairedCameras {
     if (is_known && std::abs(pair.offsetNs()) > kPeriod_ns / 2) ++tally_.far_apart;
   }
 
-  const std::set<std::uint64_t> known_ = digests();
+  const std::set<std::uint64_t> known_ = test::digestsOf(VideoCodec::h264, pictures());
   StereoTimestamper timestamper_{ClockChoice::automatic};
   std::vector<std::unique_ptr<test::ScriptedCamera>> servers_;
   std::vector<std::unique_ptr<RtspCamera>> cameras_;

@@ -46,18 +46,6 @@ RtspCameraSettings settingsFor(const ScriptedCamera& camera, RtspTransport trans
   return settings;
 }
 
-/// Hashes of the pictures of an undamaged stream.
-std::set<std::uint64_t> hashesOf(const CameraScript& script) {
-  VideoDecoder decoder({script.codec, {}}, 1);
-  std::set<std::uint64_t> hashes;
-  for (const EncodedUnit& unit : script.pictures) {
-    decoder.send(unit);
-    while (const std::optional<Frame> frame = decoder.receive())
-      hashes.insert(test::digest(frame->image));
-  }
-  return hashes;
-}
-
 /// Counts of the frames read.
 struct FrameCounts {
   int good = 0;
@@ -91,7 +79,7 @@ TEST_P(RtspPacketLoss, MarksAllDamagedFrames) {
   };
   ScriptedCamera server(lossy);
   RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  const FrameCounts seen = read(camera, 400, hashesOf(lossy));
+  const FrameCounts seen = read(camera, 400, test::digestsOf(lossy.codec, lossy.pictures));
   EXPECT_EQ(seen.wrong, 0);
   EXPECT_GT(seen.good, 5);
   if (GetParam() >= 0.01) {
@@ -106,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(RtspFault, RtspPacketLoss, testing::Values(0.001, 0.01,
 FrameCounts seenOverUdp(const CameraScript& script) {
   ScriptedCamera server(script);
   RtspCamera camera(settingsFor(server, RtspTransport::udp));
-  return read(camera, 60, hashesOf(script));
+  return read(camera, 60, test::digestsOf(script.codec, script.pictures));
 }
 
 TEST(RtspFault, RestoresOrderOfPackets) {
@@ -223,7 +211,7 @@ TEST(RtspFault, DecodesOtherResolutionFromItsFirstKeyFrame) {
   RtspCamera camera(settingsFor(server, RtspTransport::tcp));
   ASSERT_TRUE(test::readFrames(camera, 30));
   server.setPictures(after.pictures);
-  const std::set<std::uint64_t> hashes = hashesOf(after);
+  const std::set<std::uint64_t> hashes = test::digestsOf(after.codec, after.pictures);
   int changed = 0;
   EXPECT_TRUE(test::readUntil(camera, [&](ReadOutcome outcome, const Frame& frame) {
     if (outcome != ReadOutcome::frame || frame.image.size() == kSize) return false;

@@ -12,7 +12,6 @@
 #include "capture/network/name_resolver.hpp"
 #include "capture/rtsp/digest_authentication.hpp"
 #include "capture/rtsp/rtp_packet.hpp"
-#include "capture/rtsp/rtp_sequencer.hpp"
 #include "capture/rtsp/rtsp_message.hpp"
 #include "capture/rtsp/rtsp_url.hpp"
 #include "capture/rtsp/session_description.hpp"
@@ -227,19 +226,10 @@ TEST(SessionDescription, NamesWhatIsOfferedInstead) {
 
 /// RTP packet with this sequence number.
 std::vector<std::uint8_t> rtp(unsigned sequence, std::uint8_t source = 1) {
-  return {0x80,
-          96,
-          static_cast<std::uint8_t>(sequence >> 8),
-          static_cast<std::uint8_t>(sequence),
-          0,
-          0,
-          0,
-          1,
-          0,
-          0,
-          0,
-          source,
-          0x41};
+  std::vector<std::uint8_t> packet = {0x80, 96, 0, 0, 0, 0, 0, 1, 0, 0, 0, source, 0x41};
+  packet[2] = static_cast<std::uint8_t>(sequence >> 8);
+  packet[3] = static_cast<std::uint8_t>(sequence);
+  return packet;
 }
 
 /// Numbers that come out, each with '!' if packets before it are missing.

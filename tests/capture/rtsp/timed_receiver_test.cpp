@@ -1,7 +1,5 @@
 // Arrival of what is read late.
 
-#include "capture/network/timed_receiver.hpp"
-
 #include <array>
 
 #include <gtest/gtest.h>
@@ -9,6 +7,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "capture/network/udp_ports.hpp"
 #include "common/host_clock.hpp"
 
 namespace cartvo::capture {

@@ -1,5 +1,4 @@
 // The HTTP server: clients that drip bytes, send no end, or stay at its stop; requests that it refuses.
-
 #include "common/http/http_service.hpp"
 
 #include <chrono>
@@ -10,53 +9,23 @@
 #include <thread>
 #include <vector>
 
-#include <arpa/inet.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
+#include "common/http/listen_address.hpp"
+#include "support/error_message.hpp"
+#include "support/raw_client.hpp"
 #include "support/test_timeout.hpp"
 
 namespace cartvo {
 namespace {
 
 using std::chrono::milliseconds;
+using test::RawClient;
 
 constexpr std::chrono::hours kLong{1};  ///< no test waits for it
 constexpr std::size_t kThreads = 2;
 constexpr std::size_t kMoreThanBuffers = std::size_t{64} << 20U;  ///< bytes; of two sockets on loopback
-
-/// A connection to the server.
-class RawClient {
- public:
-  explicit RawClient(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  }
-  ~RawClient() { close(socket_); }
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
-
-  /// Returns false if the server has disconnected.
-  bool send(const std::string& text) {
-    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-
-  /// All that the server sends until it disconnects.
-  std::string receive() {
-    std::string text(65536, '\0');
-    std::string all;
-    for (ssize_t count = 0; (count = recv(socket_, text.data(), text.size(), 0)) > 0;)
-      all.append(text, 0, static_cast<std::size_t>(count));
-    return all;
-  }
-
- private:
-  int socket_;
-};
 
 class HttpServiceTest : public testing::Test {
  protected:
@@ -220,5 +189,25 @@ TEST_F(HttpServiceTest, CanEndWithoutAStart) {
   EXPECT_GT(server.bind(ListenAddress{}), 0);
 }
 
+using testing::HasSubstr;
+
+TEST(ListenAddress, IsAPortOrAddressAndPort) {
+  EXPECT_EQ(ListenAddress::parse("81").port, 81);
+  EXPECT_TRUE(ListenAddress::parse("81").isLoopback());
+  EXPECT_EQ(ListenAddress::parse("0.0.0.0:81").address, "0.0.0.0");
+  EXPECT_FALSE(ListenAddress::parse("0.0.0.0:81").isLoopback());
+  EXPECT_EQ(ListenAddress::parse("[::1]:81").address, "::1");
+  EXPECT_TRUE(ListenAddress::parse("[::1]:81").isLoopback());
+  EXPECT_EQ(ListenAddress::parse("[::1]:81").text(), "[::1]:81");
+  EXPECT_EQ(ListenAddress::parse("81").text(), "127.0.0.1:81");
+  EXPECT_EQ(ListenAddress::parse("localhost:81").text(), "127.0.0.1:81");
+  for (const char* const wrong : {"", "live", "70000", "-1", "cart:80", "127.0.0.1:", "1.2.3:80", "80 "}) {
+    EXPECT_THAT(test::messageOf([&] { ListenAddress::parse(wrong); }),
+                HasSubstr("is neither PORT nor ADDRESS:PORT"))
+        << wrong;
+  }
+}
+
 }  // namespace
+
 }  // namespace cartvo

@@ -8,14 +8,12 @@
 #include <memory>
 #include <vector>
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "support/error_message.hpp"
+#include "support/raw_client.hpp"
 #include "support/test_timeout.hpp"
 
 namespace cartvo::daemon {
@@ -49,29 +47,6 @@ class MetricsServerTest : public testing::Test {
 
   MetricsServer server_{ListenAddress{}};
   httplib::Client client_{"http://" + server_.address()};
-};
-
-/// A connection that sends `text` and then nothing.
-class SilentClient {
- public:
-  SilentClient(std::uint16_t port, const std::string& text) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    is_connected_ =
-        connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-        send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-  ~SilentClient() { close(socket_); }
-  SilentClient(const SilentClient&) = delete;
-  SilentClient& operator=(const SilentClient&) = delete;
-
-  bool isConnected() const { return is_connected_; }
-
- private:
-  int socket_;
-  bool is_connected_ = false;
 };
 
 TEST_F(MetricsServerTest, ServesHealthAndPairs) {
@@ -118,9 +93,11 @@ TEST_F(MetricsServerTest, RefusesOtherRequests) {
 }
 
 TEST_F(MetricsServerTest, TooManyClientsWaitAndTheOdometryDoesNot) {
-  std::vector<std::unique_ptr<SilentClient>> idle;
-  for (int i = 0; i < 8; ++i)
-    idle.push_back(std::make_unique<SilentClient>(port(), "GET "));
+  std::vector<std::unique_ptr<test::RawClient>> idle;
+  for (int i = 0; i < 8; ++i) {
+    idle.push_back(std::make_unique<test::RawClient>(port()));
+    EXPECT_TRUE(idle.back()->send("GET "));
+  }
   for (int i = 0; i < 1000; ++i)
     server_.addPair(pipeline::PairResult{}, message(odometry_t::VALID));
   const httplib::Result answer = client_.Get("/metrics");

@@ -7,15 +7,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <nlohmann/json.hpp>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "support/error_message.hpp"
+#include "support/raw_client.hpp"
 #include "support/test_timeout.hpp"
 
 namespace cartvo::daemon {
@@ -206,36 +204,15 @@ TEST_F(PageServerTest, HasNoFrameThatWasSeen) {
   EXPECT_EQ(get("/frame?pair=8"), 404);
 }
 
-/// A client that asks for a frame and never reads it.
-class SlowClient {
- public:
-  SlowClient(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    const int small = 4096;
-    setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const std::string request = "GET /frame HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(send(socket_, request.data(), request.size(), MSG_NOSIGNAL),
-              static_cast<ssize_t>(request.size()));
-  }
-  ~SlowClient() { close(socket_); }
-  SlowClient(const SlowClient&) = delete;
-  SlowClient& operator=(const SlowClient&) = delete;
-
- private:
-  int socket_;
-};
-
 TEST_F(PageServerTest, SlowClientsKeepNoThread) {
   content_.frame.assign(150'000, 'a');  // as large as frames are
   serve("127.0.0.1");
   const std::uint16_t port = ListenAddress::parse(origin_.substr(7)).port;
-  std::vector<std::unique_ptr<SlowClient>> slow;
-  for (int i = 0; i < 40; ++i)
-    slow.push_back(std::make_unique<SlowClient>(port));
+  std::vector<std::unique_ptr<test::RawClient>> slow;  // that ask for a frame and never read it
+  for (int i = 0; i < 40; ++i) {
+    slow.push_back(std::make_unique<test::RawClient>(port, 4096));
+    EXPECT_TRUE(slow.back()->send("GET /frame HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  }
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(get("/health.json"), 200);
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;

@@ -80,16 +80,24 @@ class Subscriber {
   lcm::LCM lcm_;
 };
 
-/// Stops the daemon at the end of the test, so that a failed assertion does not block its thread's future.
-class StopAtExit {
+/// A daemon that runs in a thread of its own until it is stopped, at the latest at the end of the test.
+class RunningDaemon {
  public:
-  explicit StopAtExit(Daemon& daemon) : daemon_(daemon) {}
-  ~StopAtExit() { daemon_.stop(); }
-  StopAtExit(const StopAtExit&) = delete;
-  StopAtExit& operator=(const StopAtExit&) = delete;
+  explicit RunningDaemon(const Configuration& configuration)
+      : daemon_(configuration), run_(std::async(std::launch::async, [this] { daemon_.run(); })) {}
+  ~RunningDaemon() { stop(); }
+  RunningDaemon(const RunningDaemon&) = delete;
+  RunningDaemon& operator=(const RunningDaemon&) = delete;
+
+  void reload(const Configuration& next) { daemon_.reload(next); }
+  void stop() {
+    daemon_.stop();
+    run_.wait();
+  }
 
  private:
-  Daemon& daemon_;
+  Daemon daemon_;
+  std::future<void> run_;
 };
 
 class LiveStream : public testing::Test {
@@ -137,9 +145,7 @@ TEST_F(LiveStream, IsPublishedAsOdometryAndAsInvalidAfterCameraLoss) {
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
   configuration.recording_directory = folder_ / "recording";
   Subscriber subscriber;
-  Daemon daemon(configuration);
-  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const StopAtExit stop(daemon);
+  RunningDaemon daemon(configuration);
 
   // INVALID messages at the frame rate before the first pair.
   ASSERT_TRUE(subscriber.receiveUntil([&] { return subscriber.odometry.size() > 3; }));
@@ -173,7 +179,6 @@ TEST_F(LiveStream, IsPublishedAsOdometryAndAsInvalidAfterCameraLoss) {
   EXPECT_EQ(subscriber.odometry.back().position_world_body[1] < 0.0, true) << "the pose is kept";
 
   daemon.stop();
-  run.wait();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "recording/000000/left.mkv"));
 }
 
@@ -186,9 +191,7 @@ TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
   }
   calib::writeRig(folder_ / "rig.yaml", rig);
   Subscriber subscriber;
-  Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
-  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const StopAtExit stop(daemon);
+  RunningDaemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   startContent();
   EXPECT_TRUE(subscriber.receiveUntil([&] {
     return !subscriber.health.empty() && subscriber.health.back().refused_size > 0 &&
@@ -197,8 +200,6 @@ TEST_F(LiveStream, OfWrongSizeIsReportedInHealthAndDaemonKeepsRunning) {
   })) << "in both messages";
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_THAT(subscriber.health.back().problem, HasSubstr("320x240, but the rig is for 640x480"));
-  daemon.stop();
-  run.wait();
 }
 
 TEST_F(LiveStream, EndsAtTheStartIfTheRecordingThatWasAskedForCannotBeMade) {
@@ -212,9 +213,7 @@ TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   configuration.recording_quota.recordings = folder_ / "rig.yaml";  // root may write anywhere else
   configuration.recording_directory = configuration.recording_quota.recordings / "recording";
   Subscriber subscriber;
-  Daemon daemon(configuration);
-  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const StopAtExit stop(daemon);
+  RunningDaemon daemon(configuration);
   startContent();
   EXPECT_TRUE(subscriber.receiveUntil([&] {
     return !subscriber.health.empty() && !subscriber.health.back().problem.empty() &&
@@ -223,24 +222,19 @@ TEST_F(LiveStream, IsProcessedIfRecordingFailsToStartAndHealthNamesTheCause) {
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_THAT(subscriber.health.back().problem,
               AllOf(HasSubstr("not recording: cannot create the folder"), HasSubstr("rig.yaml/recording")));
-  daemon.stop();
-  run.wait();
 }
 
 TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
   const test::LogText log;
   right_.reset();
   Subscriber subscriber;
-  Daemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
-  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const StopAtExit stop(daemon);
+  RunningDaemon daemon(readConfiguration(folder_ / "cartvod.yaml"));
   const auto reports = [&] {
     return std::count_if(subscriber.health.begin(), subscriber.health.end(),
                          [](const health_t& health) { return !health.right.last_error.empty(); });
   };
   EXPECT_TRUE(subscriber.receiveUntil([&] { return reports() >= 3; }));
   daemon.stop();
-  run.wait();
   ASSERT_FALSE(subscriber.health.empty());
   EXPECT_EQ(log.linesWith(subscriber.health.back().right.last_error), 1);
   EXPECT_EQ(log.linesWith("right camera: connecting: "), 1);
@@ -249,9 +243,7 @@ TEST_F(LiveStream, OfAbsentCameraIsLoggedOnceNotEachSecond) {
 TEST_F(LiveStream, ReloadChangesTheTimeToLiveOfARunningDaemon) {
   Subscriber subscriber;
   Configuration configuration = readConfiguration(folder_ / "cartvod.yaml");
-  Daemon daemon(configuration);
-  const auto run = std::async(std::launch::async, [&] { daemon.run(); });
-  const StopAtExit stop(daemon);
+  RunningDaemon daemon(configuration);
   ASSERT_TRUE(subscriber.receiveUntil([&] { return !subscriber.odometry.empty(); }));
   EXPECT_EQ(subscriber.odometry.back().time_to_live_us, 250'000);
   configuration.time_to_live = std::chrono::milliseconds(400);

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "calib/board/board_pattern.hpp"
+#include "calib/board/board_spec.hpp"
 #include "calib/model/lens.hpp"
 
 namespace cartvo::test {

@@ -7,6 +7,7 @@
 
 #include "capture/codec/ffmpeg.hpp"
 #include "capture/codec/ffmpeg_log.hpp"
+#include "capture/codec/video_decoder.hpp"
 
 extern "C" {
 #include <libavutil/opt.h>
@@ -108,6 +109,17 @@ std::uint64_t digest(const cv::Mat& image) {
       hash = (hash ^ image.at<std::uint8_t>(y, x)) * 1099511628211ULL;
   }
   return hash;
+}
+
+std::set<std::uint64_t> digestsOf(capture::VideoCodec codec, const std::vector<capture::EncodedUnit>& units) {
+  capture::VideoDecoder decoder({codec, {}}, 1);
+  std::set<std::uint64_t> digests;
+  for (const capture::EncodedUnit& unit : units) {
+    decoder.send(unit);
+    while (const std::optional<capture::Frame> frame = decoder.receive())
+      digests.insert(digest(frame->image));
+  }
+  return digests;
 }
 
 }  // namespace cartvo::test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,8 @@ std::vector<capture::EncodedUnit> encodeSequence(capture::VideoCodec codec, cv::
 
 /// FNV-1a hash of an image's pixels.
 std::uint64_t digest(const cv::Mat& image);
+
+/// Digests of the pictures of an undamaged stream.
+std::set<std::uint64_t> digestsOf(capture::VideoCodec codec, const std::vector<capture::EncodedUnit>& units);
 
 }  // namespace cartvo::test

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/format/euroc_rig.hpp"
+#include "calib/format/kalibr_rig.hpp"
 #include "calib/format/rig_file.hpp"
 #include "support/calib/rigs.hpp"
 #include "support/file_text.hpp"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
-#include "common/atomic_file_writer.hpp"
+#include "common/atomic_file.hpp"
 #include "support/error_message.hpp"
 #include "support/file_text.hpp"
 #include "support/temporary_folder.hpp"

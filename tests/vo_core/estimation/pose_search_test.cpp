@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/vo_core/landmark_scene.hpp"
+#include "vo_core/geometry/reprojection.hpp"
 
 namespace cartvo::vo {
 namespace {

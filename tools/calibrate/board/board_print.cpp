@@ -11,7 +11,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
-#include "calib/board/board_pattern.hpp"
+#include "calib/board/board_spec.hpp"
 #include "common/atomic_file.hpp"
 
 namespace cartvo::calibrate {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/board/board_spec.hpp"
-#include "calib/board/marker_dictionary.hpp"
 #include "common/command_line/parser.hpp"
 #include "tools/calibrate/board/board_print.hpp"
 #include "tools/calibrate/board/board_sheet.hpp"

@@ -7,7 +7,7 @@
 
 #include "calib/board/board_spec.hpp"
 #include "calib/board/board_view.hpp"
-#include "calib/board/view_quality.hpp"
+#include "calib/board/view_coverage.hpp"
 #include "calib/solver/stereo_calibration.hpp"
 #include "tools/calibrate/views/image_pairs.hpp"
 

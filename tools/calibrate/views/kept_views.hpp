@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "common/files/unfinished_folder.hpp"
+#include "common/atomic_file.hpp"
 #include "tools/calibrate/views/board_views.hpp"
 
 namespace cartvo {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/atomic_file_writer.hpp"
+#include "common/atomic_file.hpp"
 
 namespace cartvo {
 

@@ -14,7 +14,7 @@ extern "C" {
 #include <opencv2/imgproc.hpp>
 
 #include "capture/codec/ffmpeg_log.hpp"
-#include "common/atomic_file_writer.hpp"
+#include "common/atomic_file.hpp"
 
 namespace cartvo {
 namespace {

@@ -4,8 +4,10 @@
 #include "daemon/publish/lcm_connection.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <system_error>
 
 #include <arpa/inet.h>
 #include <lcm/lcm-cpp.hpp>
@@ -21,9 +23,20 @@
 namespace cartvo::daemon {
 namespace {
 
+[[noreturn]] void failToAsk(int error) {
+  throw std::system_error(error, std::generic_category(), "LCM: the multicast route cannot be looked up");
+}
+
+int openSocket(int family, int type, int protocol) {
+  const int descriptor = socket(family, type | SOCK_CLOEXEC, protocol);
+  if (descriptor < 0) failToAsk(errno);
+  return descriptor;
+}
+
 /// Index of the interface by which packets to `destination` leave (rtnetlink(7), RTM_GETROUTE, as in
 /// `ip route get`); 0 if there is no route. The local address of a connected socket does not identify it: on
-/// a route through `lo` it is another interface's address.
+/// a route through `lo` it is another interface's address. Throws std::system_error if the kernel cannot be
+/// asked.
 unsigned outgoingInterface(const std::string& destination) {
   struct {
     nlmsghdr header{};
@@ -40,14 +53,13 @@ unsigned outgoingInterface(const std::string& destination) {
   request.attribute.rta_len = RTA_LENGTH(sizeof request.address);
   inet_pton(AF_INET, destination.c_str(), &request.address);
 
-  const int descriptor = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
-  if (descriptor < 0) return 0;
+  const int descriptor = openSocket(AF_NETLINK, SOCK_RAW, NETLINK_ROUTE);
   alignas(nlmsghdr) std::array<char, 4096> response{};
-  ssize_t received = -1;
-  if (send(descriptor, &request, sizeof request, 0) == static_cast<ssize_t>(sizeof request)) {
-    received = recv(descriptor, response.data(), response.size(), 0);
-  }
+  ssize_t received = send(descriptor, &request, sizeof request, 0);
+  if (received >= 0) received = recv(descriptor, response.data(), response.size(), 0);
+  const int error = errno;
   close(descriptor);
+  if (received < 0) failToAsk(error);
 
   const auto* header = reinterpret_cast<const nlmsghdr*>(response.data());
   if (received < static_cast<ssize_t>(sizeof(nlmsghdr)) || header->nlmsg_type != RTM_NEWROUTE) return 0;
@@ -63,8 +75,7 @@ unsigned outgoingInterface(const std::string& destination) {
 }
 
 bool isLoopback(const std::string& interface) {
-  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) return false;
+  const int descriptor = openSocket(AF_INET, SOCK_DGRAM, 0);
   ifreq request{};
   interface.copy(request.ifr_name, IFNAMSIZ - 1);
   const bool known = ioctl(descriptor, SIOCGIFFLAGS, &request) == 0;
@@ -100,8 +111,11 @@ MulticastRoute requireMulticastRoute(const std::string& url) {
 
 std::unique_ptr<lcm::LCM> connectLcm(const std::string& url) {
   const MulticastRoute route = requireMulticastRoute(url);
+  errno = 0;
   auto lcm = std::make_unique<lcm::LCM>(parseLcmUrl(url).url());
   if (!lcm->good()) {
+    if (errno == EMFILE || errno == ENFILE)
+      throw std::system_error(errno, std::generic_category(), "LCM cannot be opened");
     throw std::runtime_error("LCM cannot use " + describeLcmUrl(url) + " over " + route.interface + ". " +
                              howToAddRoute(route.address));
   }

@@ -22,7 +22,8 @@ struct MulticastRoute {
   int ttl = 0;  ///< hops; 0 stays on this host
 };
 
-/// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not one of parseLcmUrl().
+/// Queries the kernel's routing table. Throws std::invalid_argument if `url` is not one of parseLcmUrl(),
+/// std::system_error if the table cannot be queried, which tells nothing of the route.
 MulticastRoute findMulticastRoute(const std::string& url);
 
 /// As above. Throws std::runtime_error if there is no multicast route; the message says how to add one.

@@ -219,7 +219,7 @@ class Daemon::Implementation {
     pose_publisher_.setChannel(next->pose_channel, next->pose_velocity);
   }
   /// Network managers change routes while the daemon runs; LCM says nothing of that.
-  void watchRoute() {
+  void watchRoute() try {
     const MulticastRoute route = findMulticastRoute(configuration_.lcm_url);
     if (route_ && route_->interface == route.interface) return;
     if (route_) warnings_.forget(multicastWarning(*route_));
@@ -227,6 +227,8 @@ class Daemon::Implementation {
     if (route.interface.empty()) return;  // it is a problem, which is logged
     spdlog::info("LCM: the route for {} goes through {}", route.address, route.interface);
     if (const std::string warning = multicastWarning(route); !warning.empty()) warnings_.warn(warning);
+  } catch (const std::system_error& error) {
+    warnings_.warn(error.what());
   }
   void publishHealth(Clock::time_point now) {
     watchRoute();
@@ -239,7 +241,8 @@ class Daemon::Implementation {
     snapshot.counts = pipeline_.counts();
     snapshot.clock = clock_.status();
     snapshot.problem = foreign.empty() ? pipeline_.problem() : foreign;
-    if (snapshot.problem.empty() && route_->interface.empty()) snapshot.problem = multicastWarning(*route_);
+    if (snapshot.problem.empty() && route_ && route_->interface.empty())
+      snapshot.problem = multicastWarning(*route_);
     snapshot.features = configuration_.odometry.features;
     snapshot.recording = recording_.problem(warnings_);
     snapshot.frame_rate = frameRateProblem(snapshot.counts.periods, configuration_.frame_rate);

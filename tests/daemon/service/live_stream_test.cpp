@@ -12,12 +12,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
+#include <sys/resource.h>
 
 #include "calib/format/rig_file.hpp"
 #include "daemon/publish/foreign_odometry.hpp"
 #include "daemon/publish/lcm_connection.hpp"
 #include "daemon/service/daemon.hpp"
 #include "support/capture/synthetic_cameras.hpp"
+#include "support/error_message.hpp"
 #include "support/log_text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/test_timeout.hpp"
@@ -316,6 +318,16 @@ TEST(LcmConnection, WarnsIfRouteDoesNotMatchTimeToLive) {
   EXPECT_EQ(multicastWarning({"239.255.76.67", "eth1", false, 1}), "");
   EXPECT_THAT(multicastWarning({"239.255.76.67", "", false, 0}), HasSubstr("cannot subscribe"));
   EXPECT_THAT(multicastWarning({"239.255.76.67", "", false, 1}), HasSubstr("messages are not sent"));
+}
+
+TEST(LcmConnection, TooFewDescriptorsAreNoMissingRoute) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const rlimit none{0, limit.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  const std::string error = test::messageOf([] { connectLcm("udpm://239.255.1.1:7667?ttl=0"); });
+  setrlimit(RLIMIT_NOFILE, &limit);
+  EXPECT_THAT(error, AllOf(HasSubstr("cannot be looked up"), HasSubstr("Too many open files")));
 }
 
 TEST(LcmConnection, RejectsNonMulticastUrl) {

@@ -37,12 +37,9 @@ bool isAllowedHost(const std::string& header) {
 
 }  // namespace
 
-BoundedStream::BoundedStream(int socket, const WakeEvent& stop, const HttpLimits& limits)
-    : socket_(socket),
-      stop_(stop),
-      request_deadline_(Clock::now() + limits.request_time),
-      answer_time_(limits.answer_time),
-      bytes_left_(limits.request_bytes) {}
+BoundedStream::BoundedStream(int socket, const WakeEvent& stop, const std::atomic<std::size_t>& queued,
+                             const HttpLimits& limits)
+    : socket_(socket), stop_(stop), queued_(queued), limits_(limits), bytes_left_(limits.request_bytes) {}
 
 BoundedStream::~BoundedStream() {
   shutdown(socket_, SHUT_RDWR);
@@ -50,28 +47,32 @@ BoundedStream::~BoundedStream() {
 }
 
 bool BoundedStream::is_readable() const {
-  return begin_ < end_ || wait(POLLIN, request_deadline_);
+  return begin_ < end_ || wait(POLLIN, begin_time_, begin_time_ + limits_.request_time);
 }
 
 bool BoundedStream::is_writable() const {
-  return wait(POLLOUT, Clock::now() + answer_time_);
+  return wait(POLLOUT, Clock::now(), Clock::now() + limits_.answer_time);
 }
 
-/// Waits until the socket is ready; false at the deadline and when the server stops.
-bool BoundedStream::wait(short events, Clock::time_point deadline) const {
+/// Waits until the socket is ready. False at the deadline, while others are queued at `begin` and the time of
+/// a crowd, and when the server stops.
+bool BoundedStream::wait(short events, Clock::time_point begin, Clock::time_point deadline) const {
+  using std::chrono::milliseconds;
+  constexpr milliseconds kPeriod{20};  // of looking whether others are queued
   while (true) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return false;
+    const Clock::time_point end = queued_ > 0 ? std::min(deadline, begin + limits_.crowded_time) : deadline;
+    const milliseconds left = std::chrono::ceil<milliseconds>(end - Clock::now());
     std::array<pollfd, 2> waiting{{{socket_, events, 0}, {stop_.descriptor(), POLLIN, 0}}};
-    const int ready =
-        poll(waiting.data(), waiting.size(), static_cast<int>(std::min<std::int64_t>(left, 60'000)));
+    const int ready = poll(waiting.data(), waiting.size(),
+                           static_cast<int>(std::clamp(left, milliseconds(0), kPeriod).count()));
     if (ready < 0 && errno != EINTR) return false;
     if (ready > 0) return waiting[1].revents == 0;
+    if (left <= milliseconds(0)) return false;
   }
 }
 
 bool BoundedStream::fill() {
-  while (bytes_left_ > 0 && wait(POLLIN, request_deadline_)) {
+  while (bytes_left_ > 0 && wait(POLLIN, begin_time_, begin_time_ + limits_.request_time)) {
     const ssize_t received =
         recv(socket_, buffer_.data(), std::min(buffer_.size(), bytes_left_), MSG_DONTWAIT);
     if (received < 0 && wouldBlock()) continue;
@@ -93,16 +94,18 @@ ssize_t BoundedStream::read(char* data, std::size_t size) {
 }
 
 ssize_t BoundedStream::write(const char* data, std::size_t size) {
-  if (answer_deadline_ == Clock::time_point{}) answer_deadline_ = Clock::now() + answer_time_;
+  const Clock::time_point begin = Clock::now();
+  if (answer_deadline_ == Clock::time_point{}) answer_deadline_ = begin + limits_.answer_time;
   while (true) {
     const ssize_t sent = send(socket_, data, size, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent >= 0) return sent;
-    if (!wouldBlock() || !wait(POLLOUT, answer_deadline_)) return -1;
+    if (!wouldBlock() || !wait(POLLOUT, begin, answer_deadline_)) return -1;
   }
 }
 
-BoundedTaskQueue::BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs)
-    : max_queued_jobs_(max_queued_jobs) {
+BoundedTaskQueue::BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs,
+                                   std::atomic<std::size_t>& queued)
+    : max_queued_jobs_(max_queued_jobs), queued_(queued) {
   try {
     for (std::size_t i = 0; i < threads; ++i)
       threads_.emplace_back([this] { work(); });
@@ -120,6 +123,7 @@ void BoundedTaskQueue::enqueue(std::function<void()> job) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return jobs_.size() < max_queued_jobs_; });
   jobs_.push_back(std::move(job));
+  queued_ = jobs_.size();
   changed_.notify_all();
 }
 
@@ -143,6 +147,7 @@ void BoundedTaskQueue::work() {
       if (jobs_.empty()) return;
       job = std::move(jobs_.front());
       jobs_.pop_front();
+      queued_ = jobs_.size();
     }
     changed_.notify_all();
     job();
@@ -211,7 +216,7 @@ int HttpService::bind(const ListenAddress& address) {
 }
 
 void HttpService::start() {
-  queue_ = std::make_unique<BoundedTaskQueue>(threads_, threads_);
+  queue_ = std::make_unique<BoundedTaskQueue>(threads_, threads_, queued_);
   new_task_queue = [this] { return queue_.release(); };  // the library deletes it
   listener_ = std::thread([this] {
     listen_after_bind();
@@ -222,7 +227,7 @@ void HttpService::start() {
 }
 
 bool HttpService::process_and_close_socket(socket_t socket) {
-  BoundedStream stream(socket, stop_, limits_);
+  BoundedStream stream(socket, stop_, queued_, limits_);
   bool connection_closed = false;
   const auto ignore_ranges = [](httplib::Request& request) {
     request.ranges.clear();  // thousands of ranges of one file are an answer without bound

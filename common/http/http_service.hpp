@@ -29,15 +29,19 @@ namespace cartvo {
 struct HttpLimits {
   std::chrono::milliseconds request_time{2000};  ///< from the connection until the request is complete
   std::chrono::milliseconds answer_time{5000};   ///< after that, until the answer is taken
-  std::size_t request_bytes = 16384;             ///< request line and headers
+  /// For the request, and until more of the answer is taken, while other clients wait for a thread.
+  std::chrono::milliseconds crowded_time{100};
+  std::size_t request_bytes = 16384;  ///< request line and headers
 };
 
 /// A connection of a server. Limits it in total time and bytes: httplib's own stream limits the time between
 /// two bytes only, so a client that drips bytes keeps a thread, and a line without end fills the memory.
 class BoundedStream : public httplib::Stream {
  public:
-  /// Owns the connected socket. `stop` ends all waits and must outlive the stream.
-  BoundedStream(int socket, const WakeEvent& stop, const HttpLimits& limits);
+  /// Owns the connected socket. `stop` ends all waits; `queued` is the number of clients that wait for a
+  /// thread. Both must outlive the stream.
+  BoundedStream(int socket, const WakeEvent& stop, const std::atomic<std::size_t>& queued,
+                const HttpLimits& limits);
   ~BoundedStream() override;
   BoundedStream(const BoundedStream&) = delete;
   BoundedStream& operator=(const BoundedStream&) = delete;
@@ -58,14 +62,15 @@ class BoundedStream : public httplib::Stream {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool wait(short events, Clock::time_point deadline) const;
+  bool wait(short events, Clock::time_point begin, Clock::time_point deadline) const;
   bool fill();
 
   int socket_;
   const WakeEvent& stop_;
-  Clock::time_point request_deadline_;
+  const std::atomic<std::size_t>& queued_;
+  HttpLimits limits_;
+  Clock::time_point begin_time_ = Clock::now();
   Clock::time_point answer_deadline_{};  ///< set by the first write
-  std::chrono::milliseconds answer_time_;
   std::size_t bytes_left_;
   std::array<char, 4096> buffer_{};
   std::size_t begin_ = 0, end_ = 0;  ///< of the bytes in the buffer that were not read yet
@@ -76,8 +81,9 @@ constexpr const char* kPlainText = "text/plain; charset=utf-8";  ///< media type
 /// Thread pool of a server with a bounded queue: further connections wait until there is room.
 class BoundedTaskQueue : public httplib::TaskQueue {
  public:
-  /// Throws std::system_error if a thread cannot be made.
-  BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs);
+  /// `queued`: set to the number of jobs that no thread has begun. Throws std::system_error if a thread
+  /// cannot be made.
+  BoundedTaskQueue(std::size_t threads, std::size_t max_queued_jobs, std::atomic<std::size_t>& queued);
   ~BoundedTaskQueue() override;
   BoundedTaskQueue(const BoundedTaskQueue&) = delete;
   BoundedTaskQueue& operator=(const BoundedTaskQueue&) = delete;
@@ -89,6 +95,7 @@ class BoundedTaskQueue : public httplib::TaskQueue {
   void work();
 
   std::size_t max_queued_jobs_;
+  std::atomic<std::size_t>& queued_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> jobs_;
@@ -100,7 +107,8 @@ class BoundedTaskQueue : public httplib::TaskQueue {
 /// defined for them, whose Host header is absent, a numeric address or localhost, so that no other site can
 /// make a browser read it ("DNS rebinding"); it says so to others. It does not share its port with other
 /// programs. Each connection is for one request, limited by HttpLimits; at most `threads` clients are served
-/// at a time, and as many again wait. A connection without a request waits in the operating system.
+/// at a time, and as many again wait: meanwhile those that are served have less time. A connection without a
+/// request waits in the operating system.
 class HttpService : private httplib::Server {
  public:
   explicit HttpService(std::size_t threads, const HttpLimits& limits = {});
@@ -141,6 +149,7 @@ class HttpService : private httplib::Server {
   bool allows_any_host_ = false;
   int send_buffer_ = 0;  ///< bytes; 0: not set
   WakeEvent stop_;
+  std::atomic<std::size_t> queued_ = 0;      ///< connections
   std::unique_ptr<BoundedTaskQueue> queue_;  ///< until the listener takes it
   std::atomic<bool> has_ended_ = false;      ///< the listener
   std::thread listener_;

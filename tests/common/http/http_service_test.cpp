@@ -66,6 +66,16 @@ TEST_F(HttpServiceTest, ASilentClientBlocksNoOther) {
   EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 200"));
 }
 
+TEST_F(HttpServiceTest, ManySlowClientsHardlyDelayOthers) {
+  start({.request_time = kLong});
+  std::vector<std::unique_ptr<RawClient>> slow;
+  for (std::size_t i = 0; i < 10 * kThreads; ++i) {
+    slow.push_back(std::make_unique<RawClient>(port_));
+    ASSERT_TRUE(slow.back()->send("GET / HTTP/1.1\r\nHost: 127"));
+  }
+  EXPECT_TRUE(answerTo("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
+
 TEST_F(HttpServiceTest, ConnectionsAheadOfNeedBlockNoOther) {
   start({.request_time = kLong});
   std::vector<std::unique_ptr<RawClient>> idle;

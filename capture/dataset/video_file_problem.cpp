@@ -70,6 +70,9 @@ std::string videoFileProblem(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::file_size(file, error) == 0) return "it is empty: the recorder wrote nothing into it";
   if (const std::string format = foreignFormat(file); !format.empty()) return "it " + format;
+  if (isTextFile(file))
+    return "it is a text file; a rig, instants and a truth have options of their own, see '--help' of the "
+           "command";
   switch (findMp4Index(file)) {
     case Mp4Index::missing:
     case Mp4Index::truncated:

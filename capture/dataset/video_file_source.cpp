@@ -101,6 +101,8 @@ struct VideoFileSource::Implementation {
   }
   ffmpeg::Input openInput() const {
     requireInputFile(file);
+    // FFmpeg takes many texts for raw streams.
+    if (isTextFile(file)) requireSuccess(AVERROR_INVALIDDATA);
     // Playlists may refer to other files and addresses; allow only this file.
     AVDictionary* options = nullptr;
     av_dict_set(&options, "protocol_whitelist", "file", 0);

@@ -87,14 +87,21 @@ std::string textOf(const Format* format) {
   return format == nullptr ? "" : std::string("is ") + format->name + ": " + format->conversion;
 }
 
-const Format* findFormat(const fs::path& file) {
+/// The first bytes of a regular file.
+std::string headOf(const fs::path& file) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return nullptr;
+  if (!fs::is_regular_file(file, error)) return "";
   constexpr std::size_t kHead = 512;
-  std::array<char, kHead> head{};
+  std::string head(kHead, '\0');
   std::ifstream input(file, std::ios::binary);
   input.read(head.data(), kHead);
-  const std::string_view bytes(head.data(), static_cast<std::size_t>(input.gcount()));
+  head.resize(static_cast<std::size_t>(input.gcount()));
+  return head;
+}
+
+const Format* findFormat(const fs::path& file) {
+  const std::string head = headOf(file);
+  const std::string_view bytes = head;
   if (bytes.empty()) return nullptr;
   const std::string extension = lowerCase(file.extension().string());
   for (const Format& format : kFormats) {
@@ -109,6 +116,15 @@ const Format* findFormat(const fs::path& file) {
 
 std::string foreignFormat(const fs::path& file) {
   return textOf(findFormat(file));
+}
+
+bool isTextFile(const fs::path& file) {
+  const std::string head = headOf(file);
+  const bool is_playlist = head.starts_with("#EXTM3U") || head.starts_with("ffconcat");
+  return !head.empty() && !is_playlist && std::all_of(head.begin(), head.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= ' ' ? byte != 0x7F : c == '\n' || c == '\r' || c == '\t';
+  });
 }
 
 std::string foreignContents(const fs::path& folder) {

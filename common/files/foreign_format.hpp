@@ -11,6 +11,10 @@ namespace cartvo {
 /// formats, and for what is no readable regular file. Reads the first bytes only.
 std::string foreignFormat(const std::filesystem::path& file);
 
+/// Whether a file begins with text, such as a rig, instants or a trajectory; not a playlist, which FFmpeg
+/// plays.
+bool isTextFile(const std::filesystem::path& file);
+
 /// "contains NAME, which " and the foreignFormat of the first such file of a folder; empty if there is none.
 std::string foreignContents(const std::filesystem::path& folder);
 

@@ -104,6 +104,23 @@ TEST_F(ForeignFormat, OtherFilesHaveNone) {
   EXPECT_EQ(foreignFormat(folder_.path() / "empty.bag"), "");
 }
 
+TEST_F(ForeignFormat, TextIsNoVideo) {
+  const std::filesystem::path file = folder_.path() / "a.txt";
+  for (const auto& [bytes, is_text] :
+       std::vector<std::pair<std::string, bool>>{{"%YAML:1.0\n---\nimage_size: [ 320, 240 ]\n", true},
+                                                 {"0.05\n0.10\r\n", true},
+                                                 {"# Stra\xc3\x9f"
+                                                  "e\n",
+                                                  true},
+                                                 {"#EXTM3U\n", false},
+                                                 {"ffconcat version 1.0\n", false},
+                                                 {"\x1a\x45\xdf\xa3", false},
+                                                 {"", false}}) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    EXPECT_EQ(isTextFile(file), is_text) << bytes;
+  }
+}
+
 TEST_F(ForeignFormat, OfAFolderIsThatOfItsFirstLog) {
   write("a.png", "\x89PNG");
   EXPECT_EQ(foreignContents(folder_.path()), "");

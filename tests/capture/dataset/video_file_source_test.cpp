@@ -20,6 +20,7 @@ namespace cartvo::capture {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr std::chrono::milliseconds kAtOnce{0};
@@ -198,9 +199,12 @@ TEST(VideoFileSource, RejectsFilesThatAreNoVideo) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "no.mp4", {}); }),
               HasSubstr("cannot be read: No such file or directory"));
-  std::ofstream(folder / "text.mp4") << "not a video";
-  EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "text.mp4", {}); }),
-              HasSubstr("cannot read the video"));
+  for (const auto& [text, error] :
+       {std::pair("0.05\n0.10\n", "it is a text file"), std::pair("<html>", "is a web page")}) {
+    std::ofstream(folder / "text.txt") << text;
+    EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "text.txt", {}); }),
+                AllOf(HasSubstr("cannot read the video"), HasSubstr(error)));
+  }
   std::ofstream(folder / "list.m3u8") << "#EXTM3U\n#EXTINF:1,\nhttp://127.0.0.1:1/other.ts\n#EXT-X-ENDLIST\n";
   EXPECT_THAT(test::messageOf([&] { VideoFileSource(folder / "list.m3u8", {}); }),
               HasSubstr("cannot read the video"));
